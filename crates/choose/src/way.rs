@@ -55,9 +55,11 @@ const AT_LEAST: usize = 12;
 const FEW: usize = 6;
 const FAR: f64 = 0.1;
 const LARGE: f64 = 0.7;
-/// One of so many steps of another motion is looked into closely at first, and of one in which something happens.
+/// One of so many steps is looked into closely at first where a run is another motion, or where something may
+/// happen at once; and so many at least.
 pub const ONE_OF_ANOTHER: usize = 4;
 pub const ONE_OF_JUMPING: usize = 16;
+const LEAST_CLOSELY: usize = 4;
 /// Steps of a run that can be looked into closely.
 const CLOSELY: u64 = 640;
 /// How much larger an error may be than those of other steps foretell.
@@ -117,7 +119,7 @@ impl Way {
             grown[part] = grown[part].max(distance(&errors[k + 1], before.1));
         }
         let bounds: Vec<f64> = largest.iter().zip(&grown).map(|(e, growth)| e + growth).collect();
-        let looked = looked(&bounds, (parts / one_of).max(AT_LEAST).min(parts));
+        let looked = looked(&bounds, (parts / one_of).max(LEAST_CLOSELY));
         let steps = (0..parts as u64).filter(|&part| looked[part as usize]).collect();
         let grid = Grid::SomeClosely { halvings, parts: steps };
         Some(Way { grids: vec![(grid, Within::Parts)], foretold: None })

@@ -1,14 +1,15 @@
 //! Motions of potentials of one's own.
 
-use std::time::Duration;
+use std::f64::consts::TAU;
+use std::time::{Duration, Instant};
 
 use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_choose::{
-    At, Experiment, Judgement, Kind, MeasuredRuns, Motion, QuestionError, Verdict, answer, charted,
-    exhaustive, preferred, refer, way_error,
+    At, Experiment, Judgement, Kind, MeasuredRuns, Moments, Motion, QuestionError, Verdict, answer,
+    charted, exhaustive, preferred, refer, way_error,
 };
 use stationary_integrators::State;
-use stationary_integrators::problems::{kepler, pendulum};
+use stationary_integrators::problems::{kepler, oscillator, pendulum};
 
 const LONG: Duration = Duration::from_secs(600);
 
@@ -91,6 +92,32 @@ fn the_choice_on_an_ellipse_keeps_to_the_closed_form() {
         // Few steps of a high order are what many digits ask for.
         let order = runs.family(at.family).order;
         assert!(tolerance > 1e-5 || order >= 6, "{answer}");
+    }
+}
+
+#[test]
+fn moments_at_whole_and_half_periods_hide_no_phase() {
+    let (mass_on_a_spring, omega) = (oscillator(TAU).unwrap(), TAU);
+    let potential = |state: &State<Vec<f64>>| vec![0.5 * (omega * state.q[0]).powi(2)];
+    for periods in [10.0, 20.0] {
+        let system = &mass_on_a_spring.system;
+        let motion = Motion::new(system, at_rest(&[1.0]), periods, potential).unwrap();
+        for tolerance in (116..122).map(|k| 10_f64.powf(-0.05 * f64::from(k))) {
+            let mut runs = MeasuredRuns::new(&motion, LONG).unwrap();
+            let answer = answer(&mut runs, tolerance).unwrap();
+            let at = answer.choice().unwrap_or_else(|| panic!("{answer}")).at;
+            let halvings = match runs.family(at.family).kind {
+                Kind::EqualSteps => at.rung as u32,
+                _ => 5,
+            };
+            let moments = Moments::closely(halvings, periods);
+            let own = motion.look(at, &moments, Instant::now() + LONG).unwrap();
+            let promised = tolerance * answer.reference.as_ref().unwrap().course.scale;
+            for (t, value) in moments.times.iter().zip(&own.values[1..]) {
+                let off = (value[0] - 0.5 * (omega * (omega * t).cos()).powi(2)).abs();
+                assert!(off <= promised, "{off:e} of {promised:e} at {t}\n{answer}");
+            }
+        }
     }
 }
 
