@@ -43,7 +43,7 @@ pub struct Reference {
     pub apart: f64,
     /// Whether its runs may differ by more between the moments: there they near each other faster than their order,
     /// as where a phase does not show, or nothing tells how fast.
-    pub hides: bool,
+    pub may_hide: bool,
     /// Whether a run of another kind was found to agree with it over the whole way.
     pub is_confirmed: bool,
 }
@@ -278,7 +278,7 @@ impl Reference {
                 uncertainty: OF_MODES,
                 before: finest,
                 apart: 0.0,
-                hides: false,
+                may_hide: false,
                 is_confirmed: false,
             });
         }
@@ -286,11 +286,11 @@ impl Reference {
         let scale = fine.scale;
         let last = apart(&fine.values, &middle.values);
         let keeps = runs.ladder().keeps_energy;
-        let reference = |course: Course, extrapolated, error: f64, hides: bool| {
+        let reference = |course: Course, extrapolated, error: f64| {
             let own = if error.is_finite() { error / course.scale } else { f64::INFINITY };
             let uncertainty = if keeps { own.max(MARGIN * course.drift()) } else { own };
-            let (apart, is_confirmed) = (last, false);
-            Some(Reference {
+            let (apart, may_hide, is_confirmed) = (last, false, false);
+            Reference {
                 family,
                 finest,
                 extrapolated,
@@ -298,31 +298,31 @@ impl Reference {
                 uncertainty,
                 before,
                 apart,
-                hides,
+                may_hide,
                 is_confirmed,
-            })
+            }
         };
         // What grows without bounds has another scale at each rung: relative to it anything is kept.
         let [smaller, larger] = [scale.min(middle.scale), scale.max(middle.scale)];
         let is_another = runs.ladder().scale != Scale::Way && larger > SCALES * smaller;
         if is_another || middle.outcomes != fine.outcomes {
-            return reference(fine, Extrapolated::No, f64::INFINITY, false);
+            return Some(reference(fine, Extrapolated::No, f64::INFINITY));
         }
         if kind == Kind::Adaptive {
-            return reference(fine, Extrapolated::No, last, true);
+            return Some(reference(fine, Extrapolated::No, last).hiding());
         }
         let Some((third, coarse)) = Reference::coarser(runs, family, before) else {
             // Whoever has nothing to compare with must show that differences shrink.
             let alone = runs.ladder().families.iter().filter(|f| f.converges()).count() == 1;
             let uncertainty = if alone { f64::INFINITY } else { last };
-            return reference(fine, Extrapolated::No, uncertainty, true);
+            return Some(reference(fine, Extrapolated::No, uncertainty).hiding());
         };
         let halved = finest - before == 1 && before - third == 1;
         let ratio = apart(&middle.values, &coarse.values) / last;
         let power = f64::from(1_u32 << order);
         // Nothing differs where an observable is kept to rounding.
         if last <= 1e-13 * scale {
-            return reference(fine, Extrapolated::No, last, true);
+            return Some(reference(fine, Extrapolated::No, last).hiding());
         }
         if halved && ratio > power / NEAR && ratio < power * NEAR {
             let weight = 1.0 / (power - 1.0);
@@ -335,14 +335,20 @@ impl Reference {
             if runs.ladder().scale == Scale::Way {
                 fine.shrink_scale(&best);
             }
-            return reference(Course { values: best, ..fine }, Extrapolated::Yes, error, false);
+            let course = Course { values: best, ..fine };
+            return Some(reference(course, Extrapolated::Yes, error));
         }
         let error = if ratio < SHRINKING {
             Reference::by_many(runs, family, finest, scale)
         } else {
             last / (ratio - 1.0).min(1.0)
         };
-        reference(fine, Extrapolated::No, error, ratio >= power * NEAR)
+        let made = reference(fine, Extrapolated::No, error);
+        Some(if ratio >= power * NEAR { made.hiding() } else { made })
+    }
+
+    fn hiding(self) -> Self {
+        Reference { may_hide: true, ..self }
     }
 
     /// The error where the last two differences do not shrink: they are rounding, or those of several

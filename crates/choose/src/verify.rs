@@ -157,7 +157,7 @@ fn uncertainty(
     if is_sampled {
         grids.push(((samples(runs, middle, way.halvings()), Within::Ends), 0.0));
     }
-    if reference.hides {
+    if reference.may_hide {
         grids.extend(way.grids.iter().map(|of| (of.clone(), allowed)));
     } else if !is_sampled {
         grids.push((way.grids.first()?.clone(), 0.0));

@@ -28,16 +28,21 @@ pub(crate) fn last(run: &Run) -> &[f64] {
     run.positions(run.times().len() - 1)
 }
 
-/// `x'' + 4 pi^2 x = strength(t)` of a mass on a spring from rest.
-fn oscillator(method: &str, step: f64, strength: &str) -> Scene {
-    scene(&format!(
+/// A mass on a spring, swinging once a second beside a wall that is a pin; and whatever else is there.
+pub(crate) fn mass_on_a_spring(method: &str, step: f64, beside: &str) -> String {
+    format!(
         "dimension = 1\nintegrator = {method}\nstep = {step}\nhorizon = 1.5\n\
          particles = [{{ name = \"wall\", position = [0], pinned = true }},\n\
          {{ name = \"mass\", position = [1], mass = 0.5 }}]\n\
-         springs = [{{ between = [\"wall\", \"mass\"], stiffness = {} }}]\n\
-         loads = [{{ on = \"mass\", force = [0.5], strength = {strength} }}]\n",
+         springs = [{{ between = [\"wall\", \"mass\"], stiffness = {} }}]\n{beside}\n",
         0.5 * TAU * TAU
-    ))
+    )
+}
+
+/// `x'' + 4 pi^2 x = strength(t)` of a mass on a spring from rest.
+fn oscillator(method: &str, step: f64, strength: &str) -> Scene {
+    let load = format!("loads = [{{ on = \"mass\", force = [0.5], strength = {strength} }}]");
+    scene(&mass_on_a_spring(method, step, &load))
 }
 
 /// Its answer to a strength that is 3 from 0.1 to 0.7.
@@ -80,14 +85,9 @@ fn a_pulse_that_begins_and_ends_within_steps_costs_no_order() {
     std::fs::write(folder.join("pulse.csv"), "t,s\n0.1,0\n0.1,3\n0.7,3\n0.7,0\n").unwrap();
     let beside = folder.join("a.toml");
     let run = |method: &str, step: f64| {
-        let text = format!(
-            "dimension = 1\nintegrator = {method}\nstep = {step}\nhorizon = 1.5\n\
-             particles = [{{ name = \"wall\", position = [0], pinned = true }},\n\
-             {{ name = \"mass\", position = [1], mass = 0.5 }}]\n\
-             springs = [{{ between = [\"wall\", \"mass\"], stiffness = {} }}]\n\
-             loads = [{{ on = \"mass\", force = [0.5], strength = {{ table = \"pulse.csv\" }} }}]\n",
-            0.5 * TAU * TAU
-        );
+        let load =
+            "loads = [{ on = \"mass\", force = [0.5], strength = { table = \"pulse.csv\" } }]";
+        let text = mass_on_a_spring(method, step, load);
         Scene::parse_at(&beside, &text).unwrap_or_else(|error| panic!("{error}")).run().unwrap()
     };
     // No step of 1.5/n ends at 0.1 and 0.7 together.

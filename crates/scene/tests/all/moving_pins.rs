@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use stationary_scene::Scene;
 
-use crate::driven::{defect, last, scene};
+use crate::driven::{defect, last, mass_on_a_spring, scene};
 
 #[test]
 fn a_mass_on_a_moving_pin_answers_as_the_closed_form_says() {
@@ -13,14 +13,9 @@ fn a_mass_on_a_moving_pin_answers_as_the_closed_form_says() {
     let exact = 1.0
         + free * free * ((w * 1.5).sin() - w / free * (free * 1.5).sin()) / (free * free - w * w);
     let run = |method: &str, step: f64| {
-        let text = format!(
-            "dimension = 1\nintegrator = {method}\nstep = {step}\nhorizon = 1.5\n\
-             particles = [{{ name = \"wall\", position = [0], pinned = true }},\n\
-             {{ name = \"mass\", position = [1], mass = 0.5 }}]\n\
-             springs = [{{ between = [\"wall\", \"mass\"], stiffness = {} }}]\n\
-             motions = [{{ of = \"wall\", shift = [1], strength = {{ sine = 1, frequency = 0.4 }} }}]\n",
-            0.5 * TAU * TAU
-        );
+        let motion =
+            "motions = [{ of = \"wall\", shift = [1], strength = { sine = 1, frequency = 0.4 } }]";
+        let text = mass_on_a_spring(method, step, motion);
         scene(&text).run().unwrap()
     };
     let error = |step: f64| (last(&run("\"stormer-verlet\"", step))[1] - exact).abs();
