@@ -80,7 +80,13 @@ pub fn confirmed(
         };
         let next =
             others.iter().filter_map(|&family| next_rung(runs, reference, tolerance, family));
+        // What projects onto what is held errs by that, of order 1.
+        let projects =
+            |family: usize| runs.ladder().is_constrained && !runs.family(family).holds_constraints;
         let unlikely = |at: At| {
+            if projects(at.family) {
+                return true;
+            }
             let order = runs.family(at.family).order;
             let mut finer = runs.used().filter(|(run, _)| {
                 let family = runs.family(run.family);
@@ -93,7 +99,6 @@ pub fn confirmed(
         };
         let dear = |at: At| runs.predicted(at) * if unlikely(at) { UNLIKELY } else { 1 };
         let cheapest = next.min_by_key(|&at| (dear(at) + so_far(runs, at.family), at));
-        let leading = others.iter().filter_map(|&family| lead(runs, reference, tolerance, family));
         let tried = |family: usize| {
             let of = family_class(runs.family(family));
             led.iter().filter(|at| family_class(runs.family(at.family)) == of).count()
@@ -103,12 +108,15 @@ pub fn confirmed(
             let of = family_class(runs.family(at.family));
             led.iter().all(|led| family_class(runs.family(led.family)) != of || led.rung < at.rung)
         };
-        let leading = leading.filter(|&(_, at)| new(at) && tried(at.family) < LEADS).min();
-        if let Some((work, at)) = leading
+        let leading = others.iter().filter_map(|&family| {
+            let (work, at) = lead(runs, reference, tolerance, family)?;
+            let is_worth = new(at) && tried(family) < LEADS && work <= most.min(runs.left());
+            is_worth.then_some((work * if projects(family) { UNLIKELY } else { 1 }, at))
+        });
+        if let Some((dear_lead, at)) = leading.min()
             && cheapest.is_none_or(|direct| {
-                work + so_far(runs, at.family) < dear(direct) + so_far(runs, direct.family)
+                dear_lead + so_far(runs, at.family) < dear(direct) + so_far(runs, direct.family)
             })
-            && work <= most.min(runs.left())
         {
             led.push(at);
             if let Some(other) = extrapolation_agrees(runs, at, reference, tolerance) {

@@ -126,7 +126,9 @@ impl Dimension for Spatial {
     #[inline]
     fn parts_of_spin(spin: &Vector3<f64>, normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
         let torsion = normal * normal.dot(spin);
-        [spin - torsion, torsion]
+        let across = spin - torsion;
+        // Of a small part of a spin that is left by it, rounding is no small part.
+        [across - normal * normal.dot(&across), torsion]
     }
 
     #[inline]

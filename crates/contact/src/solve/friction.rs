@@ -95,11 +95,16 @@ pub(crate) fn into_cone<const D: usize>(mut x: [f64; D], friction: f64) -> [f64;
     disc(x, friction * x[0])
 }
 
+/// The least square of an impulse that is known to all its digits: less is nothing, N^2 s^2.
+const LEAST_SQUARE: f64 = 1e-290;
+
 /// The impulses whose part across the normal is the nearest point of a disc about zero.
 #[inline]
 pub(crate) fn disc<const D: usize>(mut x: [f64; D], radius: f64) -> [f64; D] {
     let square = square_across(&x);
-    if square > radius * radius {
+    if square < LEAST_SQUARE {
+        x[1..].fill(0.0);
+    } else if square > radius * radius {
         let scale = radius / square.sqrt();
         x[1..].iter_mut().for_each(|x| *x *= scale);
     }
@@ -180,6 +185,8 @@ mod tests {
         assert_eq!(into_cone([5.0, 6.0, 8.0], 1.0), [5.0, 3.0, 4.0]);
         assert_eq!(into_cone([-1e-17, 0.0, 1e-17], 1.0), [0.0; 3]);
         assert_eq!(into_cone([1.0, 0.5, 0.0], 1.0), [1.0, 0.5, 0.0]);
+        // The squares of what is left of many rebounds are all zero.
+        assert_eq!(into_cone([1e-170, 3e-164, 0.0], 1.0), [1e-170, 0.0, 0.0]);
     }
 
     #[test]

@@ -183,7 +183,7 @@ impl<G: Dimension> ContactMoments<G> {
             let change = |k: usize| {
                 let gives = compliance(point, states, &spins[k], false);
                 let fit = moment.fit(k, moment.now[k], &spins[k], gives, pushed);
-                reaction(point, states, &(fit - moment.now[k]))
+                reaction(point, states, &(fit - moment.now[k]), &spins[k])
             };
             change(0).max(change(1))
         };
@@ -300,13 +300,18 @@ fn compliance<G: Dimension>(
     (0..2).filter_map(|side| Some(of(point.bodies[side]?, side))).sum()
 }
 
-/// How fast the contact point moves by what a moment changes of spins, m/s.
-fn reaction<G: Dimension>(point: &ContactIn<G>, states: &[BodyState<G>], moment: &G::Spin) -> f64 {
-    let length = G::spin_speed(moment);
+/// How fast the contact point moves by what a moment changes of spins, as if it were along the present one, m/s.
+fn reaction<G: Dimension>(
+    point: &ContactIn<G>,
+    states: &[BodyState<G>],
+    moment: &G::Spin,
+    spin: &G::Spin,
+) -> f64 {
+    let (length, speed) = (G::spin_speed(moment), G::spin_speed(spin));
     if length == 0.0 {
         return 0.0;
     }
-    let axis = *moment * length.recip();
+    let axis = if speed > 0.0 { *spin * speed.recip() } else { *moment * length.recip() };
     let of = |body: usize, side: usize| {
         let arm = point.points[side] - states[body].centre;
         length * turning::<G>(&states[body], &axis) * G::dot(&arm, &arm).sqrt()
