@@ -278,9 +278,10 @@ pub enum ConstraintError {
         })
     )]
     Diverged {
-        /// The equation that was violated most before the iterations, counted from 0.
+        /// The equation that was violated most before the iterations, counted from 0; where all were nearly kept then,
+        /// the one that is now.
         row: usize,
-        /// Its violation relative to its length then.
+        /// The largest violation before them, relative to its equation's length.
         violation: f64,
         /// The smallest over the largest singular value of J M^-1/2 in reference scales, where the
         /// solver knows it.

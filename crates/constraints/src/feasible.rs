@@ -20,9 +20,10 @@ const ROUNDINGS: f64 = 8.0;
 /// What is allowed of a rate, relative to the largest velocity, and absolutely (m/s).
 const RATE: (f64, f64) = (1e-9, 1e-12);
 
-/// The scales of all equations, once divided.
+/// The scales of all equations, and one over them.
 #[derive(Clone, Debug)]
 pub(crate) struct Scales {
+    slope: Vec<f64>,
     inverse_slope: Vec<f64>,
     length: Vec<f64>,
     inverse_length: Vec<f64>,
@@ -39,7 +40,13 @@ pub(crate) struct Worst {
 }
 
 pub(crate) fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |largest, x| if x.abs() > largest { x.abs() } else { largest })
+    let larger = |largest: f64, x: &f64| if x.abs() > largest { x.abs() } else { largest };
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    let mut lanes = [0.0; LANES];
+    for chunk in chunks {
+        (0..LANES).for_each(|lane| lanes[lane] = larger(lanes[lane], &chunk[lane]));
+    }
+    rest.iter().chain(&lanes).fold(0.0, larger)
 }
 
 /// What rounding of a configuration makes of a distance.
@@ -50,13 +57,16 @@ pub(crate) fn rounding(q: &[f64]) -> f64 {
 /// Watches iterations towards a feasible configuration for those that lead away from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Flight {
-    /// The equation violated most before the first iteration, and how much relative to its length.
-    start: Option<(usize, f64)>,
+    /// How much an equation was violated at most before the first iteration, relative to its length, and which, where
+    /// that is much.
+    start: Option<(f64, Option<usize>)>,
 }
 
 /// Iterations that are this many lengths away, or this many times as far as they began, do not come
 /// back.
 const AWAY: f64 = 1e3;
+/// Equations that are violated by less than this part of their length were all nearly kept.
+const NEARLY: f64 = 1e-3;
 
 impl Flight {
     /// An error where the values g, of which the largest relative violation is `now`, are far away, or no
@@ -68,10 +78,12 @@ impl Flight {
         (g, now): (&[f64], f64),
         regularity: Option<f64>,
     ) -> Result<(), ConstraintError> {
-        let (row, violation) = *self.start.get_or_insert_with(|| (scales.worst_row(g), now));
+        let begun = || (now, (now > NEARLY).then(|| scales.worst_row(g)));
+        let (violation, row) = *self.start.get_or_insert_with(begun);
         if now <= AWAY * violation.max(1.0) {
             return Ok(());
         }
+        let row = row.unwrap_or_else(|| scales.worst_row(g));
         Err(ConstraintError::Diverged { row, violation, regularity })
     }
 }
@@ -88,6 +100,7 @@ impl Scales {
             }
         }
         Ok(Scales {
+            slope: scales.iter().map(|scale| scale.slope).collect(),
             inverse_slope: scales.iter().map(|scale| scale.slope.recip()).collect(),
             length: scales.iter().map(|scale| scale.length).collect(),
             inverse_length: scales.iter().map(|scale| scale.length.recip()).collect(),
@@ -137,7 +150,7 @@ impl Scales {
 
     /// Makes values of distances, times a factor.
     pub(crate) fn unscale(&self, g: &mut [f64], factor: f64) {
-        g.iter_mut().zip(&self.inverse_slope).for_each(|(g, slope)| *g *= factor / slope);
+        g.iter_mut().zip(&self.slope).for_each(|(g, slope)| *g *= factor * slope);
     }
 
     /// The worst of the values g.

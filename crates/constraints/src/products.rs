@@ -14,8 +14,22 @@ use crate::entries::{Block, Entries};
 /// Which entries make S. Copies share it.
 #[derive(Clone, Debug)]
 pub(crate) struct Products {
-    /// Of each group where the products of two equations go, first those of the first with itself.
+    /// Of each group where the products of two equations go, first those of the first with itself. What comes to
+    /// its place before all others has [`FIRST`] in it.
     slots: Arc<[u32]>,
+    /// The places to which none goes.
+    empty: Arc<[u32]>,
+}
+
+/// The first product of an entry.
+const FIRST: u32 = 1 << 31;
+
+/// Adds a product to its entry, or begins that.
+#[inline]
+fn put(product: f64, slot: u32, values: &mut [f64]) {
+    let value = &mut values[(slot & !FIRST) as usize];
+    let before = if slot & FIRST == 0 { *value } else { 0.0 };
+    *value = before + product;
 }
 
 /// Adds the products of rows of F numbers over masses, each with itself and those before it.
@@ -36,7 +50,7 @@ fn add_products<const F: usize>(
         for (b, &slot) in rows[..=i].iter().zip(own) {
             let mut product = a[0] * b[0];
             (1..F).for_each(|f| product += a[f] * b[f]);
-            values[slot as usize] += product;
+            put(product, slot, values);
         }
     }
 }
@@ -48,7 +62,7 @@ fn add_long_products(block: &Block<'_>, inverse_mass: &[f64], slots: &[u32], val
     for (i, a) in rows().enumerate() {
         for (b, &slot) in rows().take(i + 1).zip(&mut slots) {
             let product = a.iter().zip(inverse_mass).zip(b).map(|((a, w), b)| a * w * b);
-            values[slot as usize] += product.sum::<f64>();
+            put(product.sum(), slot, values);
         }
     }
 }
@@ -63,13 +77,20 @@ impl Products {
                 slots.extend(block.equations[..=i].iter().map(slot));
             }
         }
-        Products { slots: slots.into() }
+        let mut is_empty = vec![true; elimination.len() + elimination.order.len()];
+        for slot in &mut slots {
+            if std::mem::replace(&mut is_empty[*slot as usize], false) {
+                *slot |= FIRST;
+            }
+        }
+        let empty = (0..is_empty.len() as u32).filter(|&slot| is_empty[slot as usize]);
+        Products { empty: empty.collect(), slots: slots.into() }
     }
 
     /// Writes S.
     #[inline]
     pub(crate) fn write(&self, entries: &Entries, inverse_mass: &[f64], values: &mut [f64]) {
-        values.fill(0.0);
+        self.empty.iter().for_each(|&slot| values[slot as usize] = 0.0);
         let mut slots = &self.slots[..];
         for block in entries.blocks() {
             let equations = block.equations.len();

@@ -1,12 +1,12 @@
 //! Cholesky's method on rows that may depend on each other: which do, and a solution without them.
 //!
 //! ```text
-//! S_ij = <a_i, a_j>,     P S P^T = L L^T,     L_ii = distance of a_i from the rows before it
+//! S_ij = <a_i, a_j>,     P S P^T = L D L^T,     L_ii = 1,   d_i = square of the distance of a_i from the rows before it
 //! ```
 //! `a_i` the rows of J M^-1/2 (m), eliminated in an order P that is found once, front by front (columns
 //! with the same rows below them). A row is dependent where
-//! its distance is at most `threshold_i`; its column of L is then zero and its multiplier with it, and
-//! what is left is the factor of the rows that are independent.
+//! its distance is at most `threshold_i`; its column below the diagonal is then zero and its multiplier with it, and
+//! what is left is the factor of the rows that are independent. No step waits for a root.
 //!
 //! A pivot shows the square of the distance: below a part of 1e-7 of its row's square rounding has
 //! taken digits from it. There the distance is measured,
@@ -61,9 +61,9 @@ pub(crate) struct RankRevealing {
     pub(crate) elimination: Arc<Elimination>,
     /// S below the diagonal in the blocks of fronts, which L replaces, then the diagonal of S.
     pub(crate) values: Vec<f64>,
-    /// The squares of the diagonal of L, so far.
+    /// D, so far.
     pivots: Vec<f64>,
-    /// One over the diagonal of L; zero for a dependent row.
+    /// One over D; zero for a dependent row.
     inverse: Vec<f64>,
     /// A combination of rows, over freedoms; zero between.
     dense: Vec<f64>,
@@ -153,10 +153,11 @@ impl RankRevealing {
             let block = self.values[front.block()].as_chunks_mut::<W>().0;
             let (before, row) = block.split_at_mut(own);
             let Some(row) = row.first_mut() else { break };
+            let mut products = *row;
             for (j, above) in before.iter().enumerate() {
-                let entry = reduced(row, above, j) * self.inverse[start + j];
-                row[j] = entry;
-                self.pivots[start + own] -= entry * entry;
+                products[j] = reduced(&products, above, j);
+                row[j] = products[j] * self.inverse[start + j];
+                self.pivots[start + own] -= products[j] * row[j];
             }
             let threshold = thresholds[self.elimination.order[start + own] as usize];
             self.judge(start + own, rows, threshold)?;
@@ -164,16 +165,20 @@ impl RankRevealing {
         let RankRevealing { elimination, values, pivots, inverse, .. } = self;
         let (values, later) = values.split_at_mut(front.block().end);
         let (top, below) = values[front.block..].as_chunks_mut::<W>().0.split_at_mut(W);
-        let inverse = &inverse[start..start + W];
+        let (done, pivots) = pivots.split_at_mut(start + W);
+        let (own, inverse) = (&done[start..], &inverse[start..start + W]);
         for (row, &at) in below.iter_mut().zip(elimination.below(front)) {
+            let mut products = *row;
+            let pivot = &mut pivots[at as usize - (start + W)];
             for j in 0..W {
-                row[j] = reduced(row, &top[j], j) * inverse[j];
+                products[j] = reduced(&products, &top[j], j);
+                row[j] = products[j] * inverse[j];
+                *pivot -= products[j] * row[j];
             }
-            let pivot = &mut pivots[at as usize];
-            row.iter().for_each(|entry| *pivot -= entry * entry);
         }
         for &Update { row, from, len, to } in updates {
             let (row, from, to) = (&below[row as usize], from as usize, to as usize);
+            let row: [f64; W] = std::array::from_fn(|k| row[k] * own[k]);
             let others = below[from..].iter().take(len as usize);
             for (entry, other) in later[to..].iter_mut().zip(others) {
                 *entry = (0..W).fold(*entry, |entry, k| entry - row[k] * other[k]);
@@ -182,7 +187,7 @@ impl RankRevealing {
         Ok(())
     }
 
-    /// Finds one over the diagonal entry at a place, whose row has its entries.
+    /// Finds one over the entry of D at a place, whose row has its entries.
     #[inline]
     fn judge(
         &mut self,
@@ -193,13 +198,14 @@ impl RankRevealing {
         let equation = self.elimination.order[place];
         let (pivot, diagonal) = (self.pivots[place], self.values[self.elimination.len() + place]);
         if pivot > SUSPICIOUS * diagonal && pivot > 4.0 * threshold * threshold {
-            self.inverse[place] = pivot.sqrt().recip();
+            self.inverse[place] = pivot.recip();
             self.weaken(equation, pivot, threshold);
             return Ok(());
         }
         let distance = self.distance(place, rows, threshold)?;
         if distance > threshold {
-            self.inverse[place] = distance.recip();
+            self.pivots[place] = distance * distance;
+            self.inverse[place] = self.pivots[place].recip();
             self.weaken(equation, distance * distance, threshold);
             self.close += 1;
         } else {
@@ -211,9 +217,9 @@ impl RankRevealing {
 
     #[inline]
     fn weaken(&mut self, equation: u32, square: f64, threshold: f64) {
-        let ratio = square / (threshold * threshold);
-        if ratio < self.weakest.1 {
-            self.weakest = (equation, ratio);
+        let allowed = threshold * threshold;
+        if square < self.weakest.1 * allowed {
+            self.weakest = (equation, square / allowed);
         }
     }
 
@@ -238,7 +244,7 @@ impl RankRevealing {
         while at > reach {
             at -= 1;
             let sum: f64 = column(at).map(|(below, l)| l * weights[below]).sum();
-            weights[at] = -sum * inverse[at];
+            weights[at] = if inverse[at] > 0.0 { -sum } else { 0.0 };
             if weights[at].abs() * length(at) <= NOTHING * length(place) {
                 weights[at] = 0.0;
             } else {
@@ -261,9 +267,9 @@ impl RankRevealing {
             }
             let mut inside = 0.0;
             for at in reach..place {
-                products[at] *= inverse[at];
                 let product = products[at];
-                inside += product * product;
+                products[at] *= inverse[at];
+                inside += product * products[at];
                 for (below, l) in column(at).filter(|(below, _)| *below < place) {
                     products[below] -= l * product;
                 }
@@ -285,7 +291,7 @@ impl RankRevealing {
             for at in (reach..place).rev() {
                 let below = column(at).filter(|(below, _)| *below < place);
                 let sum: f64 = below.map(|(below, l)| l * products[below]).sum();
-                products[at] = (products[at] - sum) * inverse[at];
+                products[at] = if inverse[at] > 0.0 { products[at] - sum } else { 0.0 };
                 weights[at] -= products[at];
             }
         }
@@ -310,6 +316,7 @@ impl RankRevealing {
                 _ => self.forward::<WIDEST>(front),
             }
         }
+        self.products.iter_mut().zip(&self.inverse).for_each(|(x, inverse)| *x *= inverse);
         for front in elimination.fronts.iter().rev() {
             match front.width {
                 1 => self.backward::<1>(front),
@@ -328,13 +335,12 @@ impl RankRevealing {
     /// `L x = b` of the W columns of a front, whose part is taken from the rows below.
     #[inline]
     fn forward<const W: usize>(&mut self, front: &Front) {
-        let RankRevealing { elimination, values, inverse, products, .. } = self;
+        let RankRevealing { elimination, values, products, .. } = self;
         let (top, below) = values[front.block()].as_chunks::<W>().0.split_at(W);
         let mut x = [0.0; W];
-        let inverse = &inverse[front.start..front.start + W];
         let own = &mut products[front.start..front.start + W];
         for i in 0..W {
-            x[i] = (0..i).fold(own[i], |sum, k| sum - top[i][k] * x[k]) * inverse[i];
+            x[i] = (0..i).fold(own[i], |sum, k| sum - top[i][k] * x[k]);
         }
         own.copy_from_slice(&x);
         for (row, &at) in below.iter().zip(elimination.below(front)) {
@@ -346,7 +352,7 @@ impl RankRevealing {
     /// `L^T x = b` of the W columns of a front, by what is known of the rows below.
     #[inline]
     fn backward<const W: usize>(&mut self, front: &Front) {
-        let RankRevealing { elimination, values, inverse, products, .. } = self;
+        let RankRevealing { elimination, values, products, .. } = self;
         let (top, below) = values[front.block()].as_chunks::<W>().0.split_at(W);
         let mut x = [0.0; W];
         x.copy_from_slice(&products[front.start..front.start + W]);
@@ -354,10 +360,8 @@ impl RankRevealing {
             let value = products[at as usize];
             (0..W).for_each(|k| x[k] -= row[k] * value);
         }
-        let inverse = &inverse[front.start..front.start + W];
         for i in (0..W).rev() {
-            let value = x[i] * inverse[i];
-            x[i] = value;
+            let value = x[i];
             (0..i).for_each(|k| x[k] -= top[i][k] * value);
         }
         products[front.start..front.start + W].copy_from_slice(&x);

@@ -192,8 +192,9 @@ where
         work += core.work_there();
         core.finish(state, h)?;
         let impulses = self.start.as_ref().iter().zip(core.impulse.as_ref());
+        let rate = 1.0 / h;
         for (lambda, (a, b)) in self.lambda.as_mut().iter_mut().zip(impulses) {
-            *lambda = (a + b) / h;
+            *lambda = (a + b) * rate;
         }
         let differentials = core.differentials;
         Ok(ConstrainedReport { differentials, iterations, violation, work, halvings: 0 })

@@ -34,17 +34,17 @@ impl<N: AsRef<[f64]> + AsMut<[f64]> + Clone> WarmStart<N> {
 
     /// Takes in a step of `h` seconds from `t`, with the impulses at its start and at its end.
     pub(crate) fn remember(&mut self, (t, h): (f64, f64), start: &[f64], end: &[f64]) {
-        let arrived = self.arrived.as_mut();
+        let (arrived, rate) = (self.arrived.as_mut(), 1.0 / h);
         if t == self.end {
             self.changes.remember(t, |change| {
                 let both = start.iter().zip(&*arrived);
-                let differences = both.map(|(start, before)| start / h - before);
+                let differences = both.map(|(start, before)| start * rate - before);
                 change.iter_mut().zip(differences).for_each(|(change, d)| *change = d);
             });
         } else {
             self.changes.forget();
         }
-        arrived.iter_mut().zip(end).for_each(|(to, end)| *to = end / h);
+        arrived.iter_mut().zip(end).for_each(|(to, end)| *to = end * rate);
         self.end = t + h;
     }
 

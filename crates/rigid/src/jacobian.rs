@@ -98,7 +98,7 @@ const SHORT: f64 = 4e-3;
 #[inline]
 pub(crate) fn inverse_coefficient(s: f64) -> f64 {
     if s < SHORT {
-        return 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30_240.0 + s / 1_209_600.0));
+        return 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30_240.0 + s * (1.0 / 1_209_600.0)));
     }
     let half = 0.25 * s;
     let [c2, c3] = c2_c3(half);

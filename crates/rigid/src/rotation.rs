@@ -198,7 +198,7 @@ const SHORT: f64 = 1e-3;
 /// `atan(x) / x` at `x^2 < SHORT`.
 #[inline]
 fn arctangent(s: f64) -> f64 {
-    1.0 - s * (1.0 / 3.0 - s * (1.0 / 5.0 - s * (1.0 / 7.0 - s * (1.0 / 9.0 - s / 11.0))))
+    1.0 - s * (1.0 / 3.0 - s * (1.0 / 5.0 - s * (1.0 / 7.0 - s * (1.0 / 9.0 - s * (1.0 / 11.0)))))
 }
 
 /// The length of a vector, whatever its size.

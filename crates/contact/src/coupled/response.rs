@@ -18,6 +18,12 @@ pub trait Response {
     /// Appends the change of velocity by a unit impulse along a row, freedom by freedom; a freedom may
     /// come more than once. The row's freedoms are below [`Response::freedoms`].
     fn respond(&mut self, row: &[(usize, f64)], change: &mut Vec<(usize, f64)>);
+
+    /// One over the mass of each freedom, zero of what no impulse moves; nothing where freedoms are coupled, or
+    /// it is not known whether they are.
+    fn inverse_masses(&self) -> Option<Vec<f64>> {
+        None
+    }
 }
 
 impl Response for InverseMass {
@@ -28,6 +34,10 @@ impl Response for InverseMass {
     fn respond(&mut self, row: &[(usize, f64)], change: &mut Vec<(usize, f64)>) {
         (&*self).respond(row, change);
     }
+
+    fn inverse_masses(&self) -> Option<Vec<f64>> {
+        self.diagonal()
+    }
 }
 
 impl Response for &InverseMass {
@@ -37,6 +47,10 @@ impl Response for &InverseMass {
 
     fn respond(&mut self, row: &[(usize, f64)], change: &mut Vec<(usize, f64)>) {
         self.lift(row.iter().copied(), |freedom, value| change.push((freedom, value)));
+    }
+
+    fn inverse_masses(&self) -> Option<Vec<f64>> {
+        self.diagonal()
     }
 }
 
@@ -94,5 +108,11 @@ impl<A: Response, B: Response> Response for SideBySide<A, B> {
             self.second.respond(&second, change);
             change[begins..].iter_mut().for_each(|(freedom, _)| *freedom += border);
         }
+    }
+
+    fn inverse_masses(&self) -> Option<Vec<f64>> {
+        let mut both = self.first.inverse_masses()?;
+        both.extend(self.second.inverse_masses()?);
+        Some(both)
     }
 }

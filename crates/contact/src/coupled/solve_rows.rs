@@ -11,13 +11,15 @@
 //! active, sticking and sliding sets, and where those do not come by Lemke's pivots. What is left is reported.
 //! A row along which nothing gives way has no impulse.
 //!
-//! The work grows with the cube of an island's rows: there is a bound on them. For equalities alone
-//! `constraints` has sparse solvers. Source: Moreau 1988; Stewart and Trinkle 1996.
+//! The work grows with the cube of an island's rows, and there is a bound on them; an island of equalities
+//! alone between masses that are not coupled is solved by `constraints` instead, however many there are
+//! (`equalities.rs`). Source: Moreau 1988; Stewart and Trinkle 1996.
 
 use stationary_calculus::{SizeError, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
 
 use crate::coupled::coupled_rows::CoupledRows;
+use crate::coupled::equalities;
 use crate::coupled::response::Response;
 use crate::error::check_finite;
 use crate::impact::inverse_mass::Groups;
@@ -70,8 +72,22 @@ pub fn solve_rows(
     let mut found = vec![0.0; impulses.len()];
     let mut coupled = CoupledRows::default();
     let mut change = vec![0.0; v.0.len()];
+    // Rows that were solved as equalities alone.
+    let mut held = Vec::new();
+    let masses = response.inverse_masses();
     for blocks in islands(rows, &lifted) {
         let own: Vec<usize> = blocks.iter().flat_map(|(_, rows)| rows.clone()).collect();
+        report.islands += 1;
+        let equal = blocks.iter().all(|(law, _)| *law == RowLaw::Equality);
+        if equal
+            && let Some(masses) = &masses
+            && let Some(x) = equalities::solve(rows, &own, masses, v.0)
+        {
+            own.iter().zip(&x).for_each(|(&row, &x)| found[row] = x);
+            report.solved += 1;
+            held.extend(own);
+            continue;
+        }
         if own.len() > COUPLED_ROWS {
             let (what, expected) = ("the rows of an island", COUPLED_ROWS);
             return Err(SizeError { what, expected, got: own.len() }.into());
@@ -91,7 +107,6 @@ pub fn solve_rows(
         let mut x: Vec<f64> = own.iter().map(|&row| impulses[row]).collect();
         let (left, solved) = coupled.solve(&mut x, tolerance);
         own.iter().zip(&x).for_each(|(&row, &x)| found[row] = x);
-        report.islands += 1;
         report.solved += solved;
         report.settled &= left.worst() <= tolerance;
         report.residual = report.residual.max(left.normal);
@@ -100,6 +115,9 @@ pub fn solve_rows(
     for (row, &x) in found.iter().enumerate().filter(|(_, x)| **x != 0.0) {
         lifted.row(row).for_each(|(freedom, value)| v.0[freedom] += value * x);
     }
+    let left = held.iter().map(|&row| rows.lack(row, Vector(&*v.0)).abs()).fold(0.0, f64::max);
+    report.settled &= left <= tolerance;
+    report.residual = report.residual.max(left);
     impulses.copy_from_slice(&found);
     Ok(report)
 }

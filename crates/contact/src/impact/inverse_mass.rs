@@ -93,6 +93,15 @@ impl InverseMass {
         self.held[freedom]
     }
 
+    /// One over the mass of each freedom, zero of those that are held; nothing where freedoms are coupled.
+    pub(crate) fn diagonal(&self) -> Option<Vec<f64>> {
+        let own = self.place.iter().zip(&self.held).map(|(&(block, _), held)| {
+            let [inverse] = self.blocks[block].inverse.as_slice() else { return None };
+            Some(if *held { 0.0 } else { *inverse })
+        });
+        own.collect()
+    }
+
     /// Calls `add` with the entries of `M^-1 dg^T`, each freedom once for every entry of the row
     /// that reaches it.
     pub(crate) fn lift(

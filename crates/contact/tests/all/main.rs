@@ -16,6 +16,7 @@ mod detection;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod event_driven;
 #[cfg(all(feature = "2d", feature = "3d"))]
+mod equalities;
 mod error_controlled;
 mod exact_friction;
 #[cfg(all(feature = "2d", feature = "3d"))]

@@ -44,8 +44,12 @@ impl TreeMotion {
                 torque: w.cross(&own.times(&w)) - torque,
             };
         }
-        self.factor_branches()?;
-        self.solve(&forces.joints, |moving| moving.bias, acceleration);
+        // Both at once: what waits for the one is done within the other.
+        for body in (0..self.placed.len()).rev() {
+            self.factor_branch(body)?;
+            self.sum_inward(body, &forces.joints, |moving| moving.bias);
+        }
+        self.give_outward(|moving| moving.bias, acceleration);
         self.tree.check_speeds("the acceleration", acceleration)
     }
 
@@ -81,37 +85,37 @@ impl TreeMotion {
     /// The inertias of all branches, their freedoms given way.
     pub(super) fn factor(&mut self) -> Result<(), TreeError> {
         self.set_inertias();
-        self.factor_branches()
+        (0..self.placed.len()).rev().try_for_each(|body| self.factor_branch(body))
     }
 
-    /// The same, of bodies' own inertias.
-    fn factor_branches(&mut self) -> Result<(), TreeError> {
+    /// The inertia of a body's branch, of its own and those of its children, its freedoms given way.
+    #[inline]
+    fn factor_branch(&mut self, body: usize) -> Result<(), TreeError> {
         let TreeMotion { tree, placed, columns, inertias, levers, inverses, held, .. } = self;
-        for (body, link) in tree.links.iter().enumerate().rev() {
-            let (before, rest) = inertias.split_at_mut(body);
-            let inertia = &mut rest[0];
-            let traces = inertia.traces();
-            for k in link.speeds.clone().rev() {
-                let s = &columns[k];
-                let lever = inertia.times(s);
-                let pivot = lever.along(s);
-                levers[k] = lever;
-                if !held.is_empty() && held.contains(&k) {
-                    inverses[k] = 0.0;
-                    continue;
-                }
-                if pivot.is_nan() || pivot <= ROUNDING * Inertia::bound(traces, s) {
-                    let freedom = k - link.speeds.start;
-                    let joining = tree.joining(body);
-                    return Err(TreeError::Singular { joining, freedom, inertia: pivot });
-                }
-                let inverse = 1.0 / pivot;
-                inverses[k] = inverse;
-                inertia.give_way(&lever, inverse);
+        let link = &tree.links[body];
+        let (before, rest) = inertias.split_at_mut(body);
+        let inertia = &mut rest[0];
+        let traces = inertia.traces();
+        for k in link.speeds.clone().rev() {
+            let s = &columns[k];
+            let lever = inertia.times(s);
+            let pivot = lever.along(s);
+            levers[k] = lever;
+            if !held.is_empty() && held.contains(&k) {
+                inverses[k] = 0.0;
+                continue;
             }
-            if let Some(parent) = link.parent {
-                before[parent].add_inward(inertia, &placed[body].offset());
+            if pivot.is_nan() || pivot <= ROUNDING * Inertia::bound(traces, s) {
+                let freedom = k - link.speeds.start;
+                let joining = tree.joining(body);
+                return Err(TreeError::Singular { joining, freedom, inertia: pivot });
             }
+            let inverse = 1.0 / pivot;
+            inverses[k] = inverse;
+            inertia.give_way(&lever, inverse);
+        }
+        if let Some(parent) = link.parent {
+            before[parent].add_inward(inertia, &placed[body].offset());
         }
         Ok(())
     }
@@ -124,21 +128,44 @@ impl TreeMotion {
         bias: impl Fn(&Moving) -> Twist,
         acceleration: &mut [f64],
     ) {
-        let TreeMotion {
-            tree, placed, moving, columns, inertias, forces, levers, inverses, ..
-        } = self;
-        let (rest, accelerations) = (&mut self.rest, &mut self.accelerations);
-        for (body, link) in tree.links.iter().enumerate().rev() {
-            let mut b = forces[body];
-            for k in link.speeds.clone().rev() {
-                rest[k] = joint_forces[k] - b.along(&columns[k]);
-                b += levers[k] * (rest[k] * inverses[k]);
-            }
-            if let Some(parent) = link.parent {
-                b += inertias[body].times(&bias(&moving[body]));
-                forces[parent] += b.inward(&placed[body].offset());
-            }
+        for body in (0..self.placed.len()).rev() {
+            self.sum_inward(body, joint_forces, &bias);
         }
+        self.give_outward(bias, acceleration);
+    }
+
+    /// What the joints of a body leave of the forces on its branch, for its parent.
+    #[inline]
+    fn sum_inward(&mut self, body: usize, joint_forces: &[f64], bias: impl Fn(&Moving) -> Twist) {
+        let TreeMotion {
+            tree,
+            placed,
+            moving,
+            columns,
+            inertias,
+            forces,
+            levers,
+            inverses,
+            rest,
+            ..
+        } = self;
+        let link = &tree.links[body];
+        let mut b = forces[body];
+        for k in link.speeds.clone().rev() {
+            rest[k] = joint_forces[k] - b.along(&columns[k]);
+            b += levers[k] * (rest[k] * inverses[k]);
+        }
+        if let Some(parent) = link.parent {
+            b += inertias[body].times(&bias(&moving[body]));
+            forces[parent] += b.inward(&placed[body].offset());
+        }
+    }
+
+    /// The accelerations, outward, of what was summed inward.
+    fn give_outward(&mut self, bias: impl Fn(&Moving) -> Twist, acceleration: &mut [f64]) {
+        let TreeMotion {
+            tree, placed, moving, columns, levers, inverses, rest, accelerations, ..
+        } = self;
         for (body, link) in tree.links.iter().enumerate() {
             let mut a = match link.parent {
                 Some(parent) => accelerations[parent].outward(&placed[body].offset()),

@@ -84,11 +84,11 @@ impl Symmetric {
         self.off += other.off;
     }
 
-    /// Takes away `a b^T`, of which `a` and `b` are parallel.
+    /// Takes away `a a^T` times a factor.
     #[inline]
-    fn take(&mut self, a: &Vector3<f64>, b: &Vector3<f64>) {
-        self.diagonal -= a.component_mul(b);
-        self.off -= Vector3::new(a.y * b.z, a.z * b.x, a.x * b.y);
+    fn take_square(&mut self, a: &Vector3<f64>, factor: f64) {
+        self.diagonal -= a.component_mul(a) * factor;
+        self.off -= Vector3::new(a.y * a.z, a.z * a.x, a.x * a.y) * factor;
     }
 }
 
@@ -117,10 +117,10 @@ impl Inertia {
     /// `inverse` one over the inertia that it meets.
     #[inline]
     pub(super) fn give_way(&mut self, u: &SpatialForce, inverse: f64) {
-        let (force, torque) = (u.force * inverse, u.torque * inverse);
-        self.linear.take(&force, &u.force);
-        self.mixed -= force * u.torque.transpose();
-        self.angular.take(&torque, &u.torque);
+        self.linear.take_square(&u.force, inverse);
+        // Products first: what they are multiplied by comes last, from a division.
+        self.mixed -= (u.force * u.torque.transpose()) * inverse;
+        self.angular.take_square(&u.torque, inverse);
     }
 
     /// Adds another inertia, told about a point `r` further back.

@@ -61,18 +61,18 @@ pub(super) struct Equations {
     branches: f64,
 }
 
-/// What a body carries, of its places at both ends of a step under a gravity.
+/// What a body carries, of its places at both ends of a step under a gravity; the step and one over it.
 #[inline]
 fn carried(
     turn: &Turn,
     [before, after]: [&Placed; 2],
     mass: f64,
-    (gravity, h): (&Vector3<f64>, f64),
+    (gravity, [h, rate]): (&Vector3<f64>, [f64; 2]),
 ) -> SpatialForce {
-    let step = (after.centre - before.centre) / h;
+    let step = (after.centre - before.centre) * rate;
     SpatialForce {
         force: (step - gravity * (0.5 * h)) * mass,
-        torque: before.matrix * (turn.momentum() / h),
+        torque: before.matrix * (turn.momentum() * rate),
     }
 }
 
@@ -120,14 +120,15 @@ impl<D> TreeVariational<D> {
         let (mut longest, mut sizes, mut reaches) = (0.0_f64, 0.0, 0.0);
         let mut branch: Option<SpatialForce> = None;
         let links = &before.tree.links;
+        let rate = 1.0 / h;
         for (body, link) in links.iter().enumerate().rev() {
             let (start, end) = (&before.placed[body], &at.placed[body]);
             let Link { mass, moments, .. } = link;
             let turn = Turn::between(start, end, moments);
             longest = longest.max(turn.theta.norm_squared());
-            let mut f = carried(&turn, [start, end], *mass, (gravity, h));
+            let mut f = carried(&turn, [start, end], *mass, (gravity, [h, rate]));
             carries[body] = f;
-            let slope = start.matrix * (turn.slope(moments) / h) * end.matrix.transpose();
+            let slope = start.matrix * (turn.slope(moments) * rate) * end.matrix.transpose();
             slopes[body] = slope;
             let (back, ahead) = (start.offset(), end.offset());
             let arm = if link.parent.is_some() { &back } else { &start.arm };
@@ -140,7 +141,7 @@ impl<D> TreeVariational<D> {
             } else if !link.forks {
                 *form = Bilinear::zero();
             }
-            form.add_body(mass / h, &slope);
+            form.add_body(mass * rate, &slope);
             if link.forks {
                 f += forces[body];
             }
@@ -182,13 +183,13 @@ impl<D> TreeVariational<D> {
         for &fork in &*forks {
             forces[fork] = SpatialForce::zero();
         }
-        let mut longest = 0.0_f64;
+        let (mut longest, rate) = (0.0_f64, 1.0 / h);
         let mut branch: Option<SpatialForce> = None;
         for (body, link) in before.tree.links.iter().enumerate().rev() {
             let (start, end) = (&before.placed[body], &after.placed[body]);
             let turn = Turn::between(start, end, &link.moments);
             longest = longest.max(turn.theta.norm_squared());
-            let mut f = carried(&turn, [start, end], link.mass, (gravity, h));
+            let mut f = carried(&turn, [start, end], link.mass, (gravity, [h, rate]));
             carries[body] = f;
             if let Some(force) = branch.take() {
                 f += force;
@@ -275,9 +276,10 @@ impl<D> TreeVariational<D> {
     pub(super) fn finish(&mut self, h: f64) {
         let TreeVariational { after, equations, gravity, next, .. } = self;
         let Equations { carried, slopes, moved, .. } = equations;
+        let rate = 1.0 / h;
         for (body, link) in after.tree.links.iter().enumerate() {
             let (carried, moved) = (&carried[body], &moved[body]);
-            let corrected = moved.linear / h + *gravity * h;
+            let corrected = moved.linear * rate + *gravity * h;
             after.forces[body] = SpatialForce {
                 force: carried.force + corrected * link.mass,
                 torque: carried.torque + slopes[body] * moved.angular,

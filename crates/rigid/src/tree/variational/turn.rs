@@ -44,7 +44,8 @@ impl Turn {
         let Turn { theta: x, u, crosses: [_, twice], c } = self;
         let s = x.norm_squared();
         // The slope of c with the squared angle, to 1e-5 of itself at a whole radian.
-        let change = (1.0 + s * (1.0 / 21.0 + s * (1.0 / 560.0 + s / 16_632.0))) / 720.0;
+        let growth = 1.0 + s * (1.0 / 21.0 + s * (1.0 / 560.0 + s * (1.0 / 16_632.0)));
+        let change = growth * (1.0 / 720.0);
         let inner = polynomial(x, 0.5, *c);
         let (along, across, bent) =
             (*c * x.dot(u), x * *c, twice * (2.0 * change) - u * (2.0 * *c));
