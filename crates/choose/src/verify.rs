@@ -101,6 +101,8 @@ const SURELY: f64 = 4.0;
 /// The part of the tolerance below which an error at three moments of a step is small enough where something may
 /// happen at once.
 const SURELY_JUMPING: f64 = 0.25;
+/// Steps that a reference takes between two moments where there is more to see than these show.
+const HURRIED: usize = 16;
 /// Places that are off by this part of the largest way are those of another motion.
 const ANOTHER: f64 = 0.1;
 /// The part of the tolerance to which what is read off between samples is known.
@@ -362,6 +364,15 @@ fn verify_on(
             error = largest / scale;
         }
     }
+    if error + uncertainty <= tolerance
+        && let Some(steps) = hurried(runs, reference, way)
+    {
+        runs.turn_to(Purpose::WithinChoice);
+        let there = (&steps, Within::Ends);
+        let (truth, off) = told(runs, reference, there, allowed, MeasuredRuns::read)?;
+        let own = runs.look(at, &steps, Within::Ends)?;
+        error = error.max((apart(&own.values, &truth.values) + off) / scale);
+    }
     // What is sampled may be larger in between.
     let mut most = BETWEEN * error;
     if most + uncertainty > tolerance && error + uncertainty <= tolerance {
@@ -423,6 +434,24 @@ fn verify_on(
         Some(_) => Finding::Holds(seen),
         None => Finding::Unconfirmed(seen),
     })
+}
+
+/// The steps of a reference that chooses them, where it takes so many between two moments of a way that these may
+/// miss what happens there: an encounter.
+fn hurried(runs: &mut MeasuredRuns<'_>, reference: &Reference, way: &Way) -> Option<Grid> {
+    let at = At { family: reference.family, rung: reference.finest };
+    let accepted = runs.seen(at)?.accepted.clone();
+    if runs.family(at.family).kind != Kind::Adaptive {
+        return None;
+    }
+    let mut times = way.times(runs);
+    times.sort_by(f64::total_cmp);
+    let before = |t: f64| times.partition_point(|moment| *moment <= t);
+    let same = |pair: &[f64]| before(pair[0]) == before(pair[1]);
+    accepted
+        .windows(HURRIED)
+        .any(|steps| same(&[steps[0], steps[HURRIED - 1]]))
+        .then(|| Grid::of(runs, at))
 }
 
 /// Whether places are off by so much that the motion is another one.
