@@ -41,6 +41,8 @@ struct Outcome {
     moved: f64,
     /// The energy that steps gained beyond what their reports and rounding allow, J.
     gained: f64,
+    /// The energy above that of the start and of what lifting gave since, relative to the weights' at the start.
+    above: f64,
     /// How far the impulses on the floor are from the weight, relative to it, at the end.
     carried: f64,
 }
@@ -60,6 +62,8 @@ impl Stack<'_> {
             let weight: f64 = heights.map(|(q, m)| m * GRAVITY * q[self.up]).sum();
             (kinetic(state) + weight, weight.abs())
         };
+        let (first, whole_scale) = energy(state);
+        let mut lifted = 0.0;
         for _ in 0..STEPS {
             let (before, scale) = energy(state);
             let (report, floor, pushed) = match step(state) {
@@ -73,6 +77,8 @@ impl Stack<'_> {
             let allowed = report.lifting_energy.max(0.0)
                 + report.residual.max(report.coulomb) * pushed
                 + 16.0 * f64::EPSILON * scale;
+            lifted += report.lifting_energy.max(0.0);
+            outcome.above = outcome.above.max((after - first - lifted) / whole_scale);
             outcome.gained = outcome.gained.max(after - before - allowed);
             outcome.unsettled += usize::from(!report.settled);
             outcome.carried = (floor / (whole * STEP) - 1.0).abs();
@@ -153,7 +159,7 @@ fn stands(masses: &[f64]) -> [Outcome; 2] {
     let outcomes = [in_the_plane(masses), in_space(masses)];
     for outcome in &outcomes {
         println!("{masses:?}: {outcome:?}");
-        assert!(outcome.gained <= 0.0, "{masses:?}: {outcome:?}");
+        assert!(outcome.gained <= 0.0 && outcome.above < 1e-9, "{masses:?}: {outcome:?}");
         if outcome.refused.is_none() && outcome.unsettled == 0 {
             assert!(outcome.moved < 1e-6, "{masses:?}: {outcome:?}");
             assert!(outcome.carried < 1e-6, "{masses:?}: {outcome:?}");
