@@ -1,7 +1,8 @@
-//! Cholesky's method on rows that may depend on each other: which do, and a solution without them.
+//! Cholesky's method without roots on rows that may depend on each other: which do, and a solution without them.
 //!
 //! ```text
-//! S_ij = <a_i, a_j>,     P S P^T = L D L^T,     L_ii = 1,   d_i = square of the distance of a_i from the rows before it
+//! S_ij = <a_i, a_j>,     P S P^T = L D L^T,     L_ii = 1
+//! d_i = the square of the distance of a_i from the rows before it
 //! ```
 //! `a_i` the rows of J M^-1/2 (m), eliminated in an order P that is found once, front by front (columns
 //! with the same rows below them). A row is dependent where
