@@ -368,9 +368,10 @@ fn verify_on(
         && let Some(steps) = hurried(runs, reference, way)
     {
         runs.turn_to(Purpose::WithinChoice);
+        let own = runs.look(at, &steps, Within::Ends)?;
+        runs.turn_to(Purpose::WithinReference);
         let there = (&steps, Within::Ends);
         let (truth, off) = told(runs, reference, there, allowed, MeasuredRuns::read)?;
-        let own = runs.look(at, &steps, Within::Ends)?;
         error = error.max((apart(&own.values, &truth.values) + off) / scale);
     }
     // What is sampled may be larger in between.

@@ -270,7 +270,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     ///
     /// # Errors
     /// Those of [`World::step`]; [`ContactError::Rows`] for rows that are none; [`ContactError::Size`]
-    /// where more than [`crate::COUPLED_ROWS`] rows answer to one another.
+    /// where more than [`crate::COUPLED_ROWS`] rows answer to one another, unless all are equalities.
     pub fn step_with(
         &mut self,
         state: &mut State<Vec<f64>>,

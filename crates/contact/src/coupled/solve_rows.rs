@@ -25,7 +25,7 @@ use crate::error::check_finite;
 use crate::impact::inverse_mass::Groups;
 use crate::{ContactError, ContactRows};
 
-/// The most rows of an island: a dense system of as many takes about a second.
+/// The most rows of an island that has other laws than equalities: a dense system of as many takes about a second.
 pub const COUPLED_ROWS: usize = 1_000;
 
 /// What a solution took and left.
@@ -49,8 +49,8 @@ pub struct RowsReport {
 /// # Errors
 /// [`ContactError::Rows`] for a row that names a freedom that does not answer;
 /// [`ContactError::Size`] for another number of velocities than of freedoms, of impulses than of rows,
-/// and for an island of more rows than [`COUPLED_ROWS`]; [`ContactError::NonFinite`] for velocities,
-/// impulses and what answers; [`ContactError::Settling`] for a tolerance that is negative or no number.
+/// and for an island of more rows than [`COUPLED_ROWS`] that are not all equalities;
+/// [`ContactError::NonFinite`] for velocities, impulses and what answers; [`ContactError::Settling`] for a tolerance that is negative or no number.
 /// Velocity and impulses are then as they were.
 pub fn solve_rows(
     rows: &VelocityRows,
