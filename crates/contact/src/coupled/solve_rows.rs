@@ -50,7 +50,8 @@ pub struct RowsReport {
 /// [`ContactError::Rows`] for a row that names a freedom that does not answer;
 /// [`ContactError::Size`] for another number of velocities than of freedoms, of impulses than of rows,
 /// and for an island of more rows than [`COUPLED_ROWS`] that are not all equalities;
-/// [`ContactError::NonFinite`] for velocities, impulses and what answers; [`ContactError::Settling`] for a tolerance that is negative or no number.
+/// [`ContactError::NonFinite`] for velocities, impulses and what answers;
+/// [`ContactError::Settling`] for a tolerance that is negative or no number.
 /// Velocity and impulses are then as they were.
 pub fn solve_rows(
     rows: &VelocityRows,
