@@ -20,7 +20,8 @@
 //! then reaches. What turns far onto points that nobody looked at is named (see `turning.rs`). Impulses start from those of the last step, and each island of bodies that hang
 //! together is looked at on its own. Where those impulses still meet the conditions nothing is
 //! solved (see `resting.rs`), and where they change no velocity none changes: what stands does not
-//! move at all. Small islands without friction so far are projected exactly; else sweeps and sparse
+//! move at all, and a step of a world in which nothing moves costs no more than to see that (see
+//! `standing.rs`). Small islands without friction so far are projected exactly; else sweeps and sparse
 //! systems by turns settle them, and those of few contacts are then solved to rounding (see
 //! `polish.rs`). These take no memory once as many contacts have been met. Contact points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
 //!
@@ -44,6 +45,7 @@ pub(crate) mod clearance;
 pub(crate) mod contact_cache;
 pub(crate) mod resting;
 pub(crate) mod painleve;
+mod standing;
 pub(crate) mod push_apart;
 pub(crate) mod joints;
 pub(crate) mod jointed;
@@ -58,6 +60,7 @@ use crate::solve::body_state::BodyState;
 use crate::world::contact_cache::ContactCache;
 use crate::world::jointed::Closed;
 use crate::world::memory::Memory;
+use crate::world::standing::Standing;
 use crate::world::warm_start::WarmStart;
 use crate::{
     ContactError, ContactIn, DetectorIn, Dimension, ImpactLaw, InverseMass, JointRows, WorldReport,
@@ -99,6 +102,7 @@ pub struct World<G: Dimension, P> {
     limit: f64,
     last: WarmStart<G>,
     kept: ContactCache<G>,
+    standing: Standing,
     memory: Memory<G>,
 }
 
@@ -130,6 +134,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             limit: f64::INFINITY,
             last: WarmStart::default(),
             kept: ContactCache::default(),
+            standing: Standing::default(),
             memory,
         })
     }
@@ -146,12 +151,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.mass = self.mass.holding(obstacles.iter().flat_map(|&body| f * body..f * body + f));
         obstacles.iter().for_each(|&body| self.memory.scales[body] = G::Velocity::default());
         self.obstacles = obstacles;
+        self.standing.forget();
         Ok(self)
     }
 
     /// The same with another impact law.
     pub fn with_law(self, law: ImpactLaw) -> Self {
-        World { law, ..self }
+        World { law, standing: Standing::default(), ..self }
     }
 
     /// The same with contact conditions met to this tolerance, m/s.
@@ -160,7 +166,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// [`ContactError::Settling`] where it is negative or not finite.
     pub fn with_tolerance(self, tolerance: f64) -> Result<Self, ContactError> {
         match tolerance >= 0.0 && tolerance.is_finite() {
-            true => Ok(World { tolerance: Some(tolerance), ..self }),
+            true => {
+                let (tolerance, standing) = (Some(tolerance), Standing::default());
+                Ok(World { tolerance, standing, ..self })
+            },
             false => Err(ContactError::Settling(tolerance)),
         }
     }
@@ -171,7 +180,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// [`ContactError::Settling`] where it is negative or no number.
     pub fn with_residual_limit(self, limit: f64) -> Result<Self, ContactError> {
         match limit >= 0.0 {
-            true => Ok(World { limit, ..self }),
+            true => Ok(World { limit, standing: Standing::default(), ..self }),
             false => Err(ContactError::Settling(limit)),
         }
     }
@@ -183,6 +192,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
     /// The detector, to look at contacts.
     pub fn detector(&mut self) -> &mut DetectorIn<G> {
+        self.standing.forget();
         &mut self.detector
     }
 
@@ -247,6 +257,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let (last, kept) = rest.split_at_checked(count as usize).ok_or_else(short)?;
         let last = WarmStart::load(last)?;
         self.kept = ContactCache::load(kept, &mut self.detector)?;
+        self.standing.forget();
         self.last = last;
         Ok(())
     }
@@ -302,6 +313,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.system.metric().sharp(state.p.view(), self.memory.start.view_mut());
         self.find_increment(state, h, forces);
         self.find_joints(state, h, joints)?;
+        if let Some(report) = self.stand(state, h)? {
+            return Ok(report);
+        }
         self.find_reach(h);
         self.memory.meeting.clear();
         let mut round = 1;
@@ -328,7 +342,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         report.joint_violation = closed.open;
         report.settled &= closed.done && !self.turns_into(h, &report)?;
         let contacts = self.kept.found().iter().map(|contact| contact.id);
+        let before = self.last.step();
         self.last.keep(h, contacts.zip(self.memory.impulses.iter().copied()));
+        self.see_standing(state, [before, h], &report);
         std::mem::swap(state, &mut self.memory.next);
         Ok(report)
     }

@@ -37,6 +37,8 @@ use symmetric::SymmetricPivoting;
 
 /// A known vector that is found again up to this, relatively, shows that the matrix is regular.
 const FOUND_AGAIN: f64 = 1e-3;
+/// Numbers below this do not have all their digits, so that a residual relative to them is no measure.
+const LEAST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 /// Refinement stops after this many corrections.
 const CORRECTIONS: u32 = 5;
 
@@ -148,6 +150,21 @@ impl SparseIndefinite {
         matrix: &SymmetricMatrix,
         b: &mut [f64],
     ) -> Result<Refined, SparseError> {
+        self.solve_within(matrix, b, TRUSTED)
+    }
+
+    /// The same where another relative residual is trusted: for who has bounded the condition by
+    /// [`SparseIndefinite::known_vector_error`], and so the error of `x`, which a residual is no measure of where
+    /// rounding `x` alone leaves it.
+    ///
+    /// # Errors
+    /// Those of [`SparseIndefinite::solve`], and for a residual that is larger than `trusted`.
+    pub fn solve_within(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        b: &mut [f64],
+        trusted: f64,
+    ) -> Result<Refined, SparseError> {
         if !Arc::ptr_eq(&self.pattern, matrix.pattern()) {
             return Err(SparseError::OtherPattern);
         }
@@ -175,8 +192,8 @@ impl SparseIndefinite {
                 break;
             }
         }
-        let relative_residual = if residual == 0.0 { 0.0 } else { residual / scale };
-        if relative_residual <= TRUSTED {
+        let relative_residual = if residual == 0.0 { 0.0 } else { residual / scale.max(LEAST) };
+        if relative_residual <= trusted {
             b.copy_from_slice(&self.best);
             Ok(Refined { relative_residual, corrections })
         } else {

@@ -16,7 +16,7 @@ use crate::solve::exact_projection::FreeMotion;
 use crate::solve::friction::into_cone;
 use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
-use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
+use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
 use crate::{ContactError, ContactIn, Dimension, WorldReport};
 
@@ -242,8 +242,11 @@ where
         self.x.clear();
         self.x.resize(members.len(), [0.0; D]);
         let island = Island { contacts: &self.contacts, bodies };
-        let goal = Goal { change: settled, alone: PROXIMAL_COST };
-        self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
+        for _ in 0..LIFTS {
+            if self.sweeps.sweep(island, &mut self.x).fastest <= settled {
+                break;
+            }
+        }
         // What few sweeps have not settled must not press others deeper into each other.
         let (mut part, contacts) = (1.0_f64, &self.contacts);
         for (contact, &i) in contacts.iter().zip(members) {

@@ -65,7 +65,7 @@ pub(crate) struct Goal {
 /// What a sweep changed.
 pub(crate) struct Change {
     /// The most at one contact, as a velocity, m/s.
-    fastest: f64,
+    pub(crate) fastest: f64,
     /// Of all, J.
     energy: f64,
 }

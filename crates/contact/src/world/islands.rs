@@ -5,7 +5,7 @@ use stationary_calculus::Potential;
 
 use crate::solve::body_state::speed;
 use crate::solve::exact_projection::FreeMotion;
-use crate::solve::island_solver::{Conditions, SolvesIslands};
+use crate::solve::island_solver::{Conditions, IMPULSE_ROUNDING, SolvesIslands};
 use crate::solve::rolling::Turns;
 use crate::world::memory::Memory;
 use crate::world::resting::Guessed;
@@ -110,15 +110,25 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 continue;
             }
             let guessed = Guessed { points: contacts, impulses, bias };
-            let settled = if members.len() > LARGE { enough } else { finest };
+            let mut settled = if members.len() > LARGE { enough } else { finest };
             let mut reached = limits.reached(settled);
             let off = match resting.off(members, guessed, settled) {
                 Some(off) => {
                     let stands =
                         bodies.iter().all(|&body| resting.stands(body, settled.min(still)));
+                    // What is left of a velocity by rounding of what holds a body is none.
+                    let rounding = IMPULSE_ROUNDING * resting.fastest_push(members, guessed);
+                    let speed = |&body: &usize| {
+                        speed::<G>(resting.before(body).as_ref(), radius(body))
+                    };
+                    let still = stands && bodies.iter().map(speed).all(|speed| speed <= rounding);
+                    let none = G::Velocity::default();
                     for &body in bodies {
-                        let velocity =
-                            if stands { resting.before(body) } else { resting.after(body) };
+                        let velocity = match (still, stands) {
+                            (true, _) => &none,
+                            (false, true) => resting.before(body),
+                            (false, false) => resting.after(body),
+                        };
                         v.0[f * body..][..f].copy_from_slice(velocity.as_ref());
                     }
                     // What stands without any force needs no impulse to stand.
@@ -135,7 +145,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
                     let slow = |&body: &usize| {
                         speed::<G>(resting.before(body).as_ref(), radius(body)) <= gains(body)
                     };
-                    let fine = bodies.iter().all(slow).then_some((REST_TOLERANCE * settled).max(
+                    let slow = bodies.iter().all(slow);
+                    if self.tolerance.is_none() && !slow && members.len() > 20 {
+                        settled = enough;
+                        reached = limits.reached(settled);
+                    }
+                    let fine = slow.then_some((REST_TOLERANCE * settled).max(
                         ROUNDING * bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max),
                     ));
                     let large = self.tolerance.is_none() && members.len() > LARGE;

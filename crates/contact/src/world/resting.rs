@@ -42,6 +42,8 @@ struct Moved<G: Dimension> {
     centre: G::Vector,
     /// The radius of a ball about it that holds the body's shapes, m.
     reach: f64,
+    /// One over its mass, 1/kg; zero where nothing moves it.
+    lightness: f64,
     /// Of its centre and of its turning, world axes; and how they differ from the step's start.
     velocity: (G::Vector, G::Spin),
     change: (G::Vector, G::Spin),
@@ -72,6 +74,7 @@ impl<G: Dimension> Resting<G> {
         let (force, torque) = (G::Vector::default(), G::Spin::default());
         let still = |(body, state): (usize, &BodyState<G>)| Moved {
             reach: reach(body),
+            lightness: state.scale.as_ref()[0] * state.scale.as_ref()[0],
             force,
             torque,
             centre: state.centre,
@@ -141,6 +144,17 @@ impl<G: Dimension> Resting<G> {
     pub(crate) fn stands(&self, body: usize, settled: f64) -> bool {
         let Moved { change: (v, w), reach, .. } = self.moved[body];
         G::dot(&v, &v).sqrt() + reach * G::spin_speed(&w) <= CHANGE * settled
+    }
+
+    /// The fastest that one impulse of an island would make a body that it pushes, m/s.
+    pub(crate) fn fastest_push(&self, island: &[usize], guessed: Guessed<G>) -> f64 {
+        let push = |&i: &usize| {
+            let impulse = &guessed.impulses[i];
+            let bodies = guessed.points[i].bodies.iter().flatten();
+            let lightest = bodies.map(|&body| self.moved[body].lightness).fold(0.0, f64::max);
+            lightest * G::dot(impulse, impulse).sqrt()
+        };
+        island.iter().map(push).fold(0.0, f64::max)
     }
 
     /// The velocity of a body at the step's start, as it is stored.

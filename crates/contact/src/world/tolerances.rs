@@ -22,7 +22,9 @@ pub(super) const REST_TOLERANCE: f64 = 1.0 / 256.0;
 const SMALL_ISLAND_TOLERANCE: f64 = 1e-8;
 /// That of large islands, whose work grows with the digits asked for. A small island that takes too much
 /// work is left at this one, and the step is then not settled.
-const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
+const LARGE_ISLAND_TOLERANCE: f64 = 0.1;
+/// That of large islands and of moving ones relative to the fastest body.
+const FASTEST_TOLERANCE: f64 = 3e-4;
 /// Islands of more contacts are large.
 pub(super) const LARGE: usize = 100;
 
@@ -62,10 +64,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h).max(UNDERFLOW);
         let gain = fastest(&increment.0);
         let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
+        let moving = (LARGE_ISLAND_TOLERANCE * gain).max(FASTEST_TOLERANCE * fastest(&v.0));
         let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
         Settled {
             finest: or_asked(SMALL_ISLAND_TOLERANCE),
-            enough: or_asked(LARGE_ISLAND_TOLERANCE),
+            enough: within(self.tolerance.unwrap_or(moving)),
             still: within(LARGE_ISLAND_TOLERANCE * gain),
             rounding,
         }

@@ -46,6 +46,11 @@ impl<G: Dimension> WarmStart<G> {
         })
     }
 
+    /// How long the step took whose impulses these are, s.
+    pub(crate) fn step(&self) -> f64 {
+        self.step
+    }
+
     /// Keeps the impulses of a step of `h` seconds.
     #[inline]
     pub(crate) fn keep(&mut self, h: f64, impulses: impl Iterator<Item = (ContactId, G::Vector)>) {
