@@ -169,7 +169,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             true => {
                 let (tolerance, standing) = (Some(tolerance), Standing::default());
                 Ok(World { tolerance, standing, ..self })
-            },
+            }
             false => Err(ContactError::Settling(tolerance)),
         }
     }

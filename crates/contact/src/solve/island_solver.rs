@@ -16,7 +16,7 @@ use crate::solve::exact_projection::FreeMotion;
 use crate::solve::friction::into_cone;
 use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
-use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, Sweeps};
+use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
 use crate::{ContactError, ContactIn, Dimension, WorldReport};
 
@@ -93,19 +93,29 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
 pub struct Conditions<'a, G: Dimension> {
     pub(crate) free: FreeMotion<'a, G>,
     pub(crate) states: &'a [BodyState<G>],
-    /// What may be left, m/s, and what may be left where that takes too much work.
+    pub(crate) within: Within,
+}
+
+/// What may be left, m/s.
+#[derive(Clone, Copy)]
+pub(crate) struct Within {
+    /// Changes that settle an island, and those that are enough where it takes too much work.
     pub(crate) settled: f64,
     pub(crate) enough: f64,
-    /// The residual within which the island is settled, m/s.
+    /// The residual within which the island is settled.
     pub(crate) reached: f64,
-    /// What may be left of what nearly rests, m/s, if these bodies hardly move.
+    /// What may be left of what nearly rests, if these bodies hardly move.
     pub(crate) fine: Option<f64>,
+    /// Whether it is of a pile, in which no island gets the work of one that is alone.
+    pub(crate) of_pile: bool,
 }
 
 /// Rounding of rates relative to the velocities that single impulses give.
 pub(crate) const IMPULSE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
+/// The most of it in a step that goes on where an island of a pile nearly rests: the next step goes on from there.
+const RESTING_SWEEPS: usize = 8;
 /// Sweeps that find the active, sticking and sliding sets of a small island, which is then polished.
 const FIRST_SWEEPS: usize = 32;
 /// Islands of no more contacts are polished at once; of no more than these where sweeps do not settle
@@ -142,7 +152,7 @@ where
         impulses: &mut [V],
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError> {
-        let Conditions { free, states, settled, enough, reached, .. } = conditions;
+        let Conditions { free, states, within } = conditions;
         self.pack::<G>(members, free.points, free.bias, states)?;
         self.x.clear();
         for (&i, directions) in members.iter().zip(&self.directions) {
@@ -154,10 +164,10 @@ where
         let island = Island { contacts: &self.contacts, bodies };
         sweeps.push(island, x);
         let mut left = sweeps.residuals(island, x);
+        let settled = within.settled;
         let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
-        let fine = conditions.fine.filter(|_| near);
-        let goal = fine.unwrap_or(settled);
-        let met = |left: &[f64; 2]| left.iter().all(|left| *left <= goal);
+        let within = Within { fine: within.fine.filter(|_| near), ..within };
+        let met = |left: &[f64; 2]| left.iter().all(|left| *left <= within.fine.unwrap_or(settled));
         let rubs = |(contact, x): (&RigidContact<F, D>, &[f64; D])| {
             let mut across = *x;
             across[0] = 0.0;
@@ -170,38 +180,15 @@ where
             left = sweeps.residuals(island, x);
         }
         if !met(&left) {
-            let finer = enough > settled || fine.is_some();
-            let most = if finer { VISITS_PAST_ENOUGH.div_ceil(members.len()) } else { SWEEPS };
-            let small = members.len() <= SMALL && fine.is_none();
-            let [mut relaxed, mut solved] = match fine {
-                // Sweeps leave what they change slowly, and it would move what is to rest.
-                Some(change) => sweeps.alternate(island, x, Goal { change, alone: 0.0 }, most),
-                None if small => self.parts.settle(sweeps, island, x, settled, FIRST_SWEEPS),
-                None => self.parts.settle(sweeps, island, x, settled, most),
+            let [relaxed, solved] = match within.of_pile {
+                true => self.settle_of_pile(bodies, within),
+                false => self.settle_alone(bodies, within),
             };
-            solved += self.polish.polish(sweeps, island, x, (SMALL, reached));
-            left = sweeps.residuals(island, x);
-            if small && !met(&left) {
-                let more = self.parts.settle(sweeps, island, x, settled, most);
-                (relaxed, solved) = (relaxed + more[0], solved + more[1]);
-            }
-            left = sweeps.residuals(island, x);
-            let off = left.iter().any(|left| *left > reached);
-            if off || (small && !met(&left)) {
-                solved += self.polish.polish(sweeps, island, x, (POLISHED, reached));
-                left = sweeps.residuals(island, x);
-            }
-            if left.iter().any(|left| *left > reached) {
-                solved += self.polish.persist(sweeps, island, x, (PERSISTED, reached));
-                left = sweeps.residuals(island, x);
-            }
-            if left.iter().any(|left| *left > AMPLIFICATION * enough) {
-                let more = self.parts.settle(sweeps, island, x, enough, SWEEPS);
-                (relaxed, solved) = (relaxed + more[0], solved + more[1]);
-            }
             report.relaxed += relaxed;
             report.solved += solved;
         }
+        let (x, sweeps) = (&mut self.x, &mut self.sweeps);
+        let island = Island { contacts: &self.contacts, bodies };
         if members.len() <= POLISHED && unequal::<G>(bodies, states) {
             report.solved += self.polish.refine(sweeps, island, x);
         }
@@ -210,7 +197,7 @@ where
             *x = into_cone(*x, contact.friction);
         }
         sweeps.refresh(island, x);
-        left = sweeps.residuals(island, x);
+        let mut left = sweeps.residuals(island, x);
         if sweeps.bound_energy(island, x, free.bias, members) {
             left = sweeps.residuals(island, x);
         }
@@ -242,10 +229,13 @@ where
         self.x.clear();
         self.x.resize(members.len(), [0.0; D]);
         let island = Island { contacts: &self.contacts, bodies };
-        for _ in 0..LIFTS {
-            if self.sweeps.sweep(island, &mut self.x).fastest <= settled {
-                break;
-            }
+        if members.len() <= POLISHED {
+            let goal = Goal { change: settled, residual: f64::INFINITY, alone: PROXIMAL_COST };
+            self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
+        } else {
+            // The pattern of a large system would be found twice a step.
+            let mut sweeps = (0..LIFTS).map(|_| self.sweeps.sweep(island, &mut self.x).fastest);
+            sweeps.any(|fastest| fastest <= settled);
         }
         // What few sweeps have not settled must not press others deeper into each other.
         let (mut part, contacts) = (1.0_f64, &self.contacts);
@@ -278,6 +268,65 @@ fn unequal<G: Dimension>(bodies: &[usize], states: &[BodyState<G>]) -> bool {
 }
 
 impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> {
+    /// Settles an island of a pile as far as asked, and what nearly rests a little finer in every step, until it
+    /// rests; says how many contacts were relaxed, and how many systems solved.
+    fn settle_of_pile(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
+        let IslandSolver { contacts, x, sweeps, parts, polish, .. } = self;
+        let island = Island { contacts, bodies };
+        let Within { settled, reached, fine, .. } = within;
+        let [mut relaxed, mut solved] = parts.settle(sweeps, island, x, [settled, reached], SWEEPS);
+        if let Some(change) = fine {
+            let more = sweeps.alternate(island, x, Goal::at_rest(change), RESTING_SWEEPS);
+            (relaxed, solved) = (relaxed + more[0], solved + more[1]);
+        }
+        if sweeps.residuals(island, x).iter().any(|left| *left > reached) {
+            solved += polish.polish(sweeps, island, x, (SMALL, reached));
+        }
+        [relaxed, solved]
+    }
+
+    /// Settles an island whose work need not be shared: to rounding where it is small, and by all means where
+    /// what is left is more than asked.
+    fn settle_alone(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
+        let IslandSolver { contacts, x, sweeps, parts, polish, .. } = self;
+        let island = Island { contacts, bodies };
+        let n = contacts.len();
+        let Within { settled, enough, reached, fine, .. } = within;
+        let changes = [settled, AMPLIFICATION * settled];
+        let met = |left: &[f64; 2]| left.iter().all(|left| *left <= fine.unwrap_or(settled));
+        let finer = enough > settled || fine.is_some();
+        let most = if finer { VISITS_PAST_ENOUGH.div_ceil(n) } else { SWEEPS };
+        let small = n <= SMALL && fine.is_none();
+        let [mut relaxed, mut solved] = match fine {
+            // Sweeps leave what they change slowly, and it would move what is to rest.
+            Some(change) => sweeps.alternate(island, x, Goal::at_rest(change), most),
+            None if small => parts.settle(sweeps, island, x, changes, FIRST_SWEEPS),
+            None => parts.settle(sweeps, island, x, changes, most),
+        };
+        solved += polish.polish(sweeps, island, x, (SMALL, reached));
+        let mut left = sweeps.residuals(island, x);
+        if small && !met(&left) {
+            let more = parts.settle(sweeps, island, x, changes, most);
+            (relaxed, solved) = (relaxed + more[0], solved + more[1]);
+        }
+        left = sweeps.residuals(island, x);
+        let off = left.iter().any(|left| *left > reached);
+        if off || (small && !met(&left)) {
+            solved += polish.polish(sweeps, island, x, (POLISHED, reached));
+            left = sweeps.residuals(island, x);
+        }
+        if left.iter().any(|left| *left > reached) {
+            solved += polish.persist(sweeps, island, x, (PERSISTED, reached));
+            left = sweeps.residuals(island, x);
+        }
+        if left.iter().any(|left| *left > AMPLIFICATION * enough) {
+            let changes = [enough, AMPLIFICATION * enough];
+            let more = parts.settle(sweeps, island, x, changes, SWEEPS);
+            (relaxed, solved) = (relaxed + more[0], solved + more[1]);
+        }
+        [relaxed, solved]
+    }
+
     fn pack<G>(
         &mut self,
         members: &[usize],

@@ -2,7 +2,7 @@
 //! proximal-point method for all at once.
 //!
 //! ```text
-//! x <- sweep(x),   e = 1.5 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
+//! x <- sweep(x),   e = 4 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
 //! ln(s/max_i |dx_i|)/ln r < 30,   r = |dx|/|dx before|                  where sweeps alone will do
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
@@ -18,9 +18,9 @@ use crate::solve::rigid_contact::RigidContact;
 
 /// The compliance that a proximal step adds to a row, relative to the row's own, per part of the
 /// impulses that the last sweep changed: of the order of one, so that steps lengthen as sweeps settle.
-const COMPLIANCE_PER_CHANGE: f64 = 1.5;
+const COMPLIANCE_PER_CHANGE: f64 = 4.0;
 /// The most of it: softer steps carry no farther than a sweep.
-const MAX_COMPLIANCE: f64 = 0.05;
+const MAX_COMPLIANCE: f64 = 0.2;
 /// The least of it: at less, rounding of rates shows in impulses.
 const MIN_COMPLIANCE: f64 = 1e-6;
 /// What one contact changes last, others feel by no more than so many times that.
@@ -58,8 +58,17 @@ pub(crate) struct Island<'a, const F: usize, const D: usize> {
 pub(crate) struct Goal {
     /// No contact changes a velocity by more than this, m/s.
     pub(crate) change: f64,
+    /// Nor is any off by more than this, m/s.
+    pub(crate) residual: f64,
     /// No proximal steps are taken where fewer sweeps than this would do, at their rate.
     pub(crate) alone: f64,
+}
+
+impl Goal {
+    /// What is to rest takes proximal steps from the first.
+    pub(crate) fn at_rest(change: f64) -> Self {
+        Goal { change, residual: AMPLIFICATION * change, alone: 0.0 }
+    }
 }
 
 /// What a sweep changed.
@@ -120,15 +129,15 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         true
     }
 
-    /// Whether a sweep changed no velocity by more than this, and no contact is off by much more.
+    /// Whether a sweep changed no velocity by more than this, and no contact is off by more than that.
     pub(crate) fn has_settled(
         &self,
         change: &Change,
         island: Island<F, D>,
         x: &[[f64; D]],
-        by: f64,
+        [by, residual]: [f64; 2],
     ) -> bool {
-        let met = || self.residuals(island, x).iter().all(|&left| left <= AMPLIFICATION * by);
+        let met = || self.residuals(island, x).iter().all(|&left| left <= residual);
         change.fastest <= by && met()
     }
 
@@ -149,7 +158,7 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         for sweep in 1..=bound {
             let change = self.sweep(island, x);
             if sweep + SYSTEM_COST * solved >= bound
-                || self.has_settled(&change, island, x, goal.change)
+                || self.has_settled(&change, island, x, [goal.change, goal.residual])
             {
                 return [sweep * x.len(), solved];
             }

@@ -5,7 +5,7 @@ use stationary_calculus::Potential;
 
 use crate::solve::body_state::speed;
 use crate::solve::exact_projection::FreeMotion;
-use crate::solve::island_solver::{Conditions, IMPULSE_ROUNDING, SolvesIslands};
+use crate::solve::island_solver::{Conditions, IMPULSE_ROUNDING, SolvesIslands, Within};
 use crate::solve::rolling::Turns;
 use crate::world::memory::Memory;
 use crate::world::resting::Guessed;
@@ -104,6 +104,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
         resting.start(states, radius, &increment.0, guessed);
         solver.start(states.len());
         let mut jointed: Vec<usize> = Vec::new();
+        // Where nothing is asked for, no island of a pile gets the work of one that is alone.
+        let pile = self.tolerance.is_none() && contacts.len() > LARGE;
         for (members, bodies) in islands.iter() {
             if has_joints(members, contacts.len()) {
                 jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
@@ -118,9 +120,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         bodies.iter().all(|&body| resting.stands(body, settled.min(still)));
                     // What is left of a velocity by rounding of what holds a body is none.
                     let rounding = IMPULSE_ROUNDING * resting.fastest_push(members, guessed);
-                    let speed = |&body: &usize| {
-                        speed::<G>(resting.before(body).as_ref(), radius(body))
-                    };
+                    let speed =
+                        |&body: &usize| speed::<G>(resting.before(body).as_ref(), radius(body));
                     let still = stands && bodies.iter().map(speed).all(|speed| speed <= rounding);
                     let none = G::Velocity::default();
                     for &body in bodies {
@@ -146,16 +147,20 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         speed::<G>(resting.before(body).as_ref(), radius(body)) <= gains(body)
                     };
                     let slow = bodies.iter().all(slow);
-                    if self.tolerance.is_none() && !slow && members.len() > 20 {
-                        settled = enough;
-                        reached = limits.reached(settled);
+                    let finest = REST_TOLERANCE * settled;
+                    if pile {
+                        (settled, reached) = match slow {
+                            true => (enough, limits.reached(enough)),
+                            false => (0.5 * limits.moving, limits.moving),
+                        };
                     }
-                    let fine = slow.then_some((REST_TOLERANCE * settled).max(
-                        ROUNDING * bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max),
-                    ));
                     let large = self.tolerance.is_none() && members.len() > LARGE;
-                    let fine = fine.filter(|_| !large);
-                    let conditions = Conditions { free, states, settled, enough, reached, fine };
+                    let fine = (slow && !large).then(|| {
+                        let gain = bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max);
+                        finest.max(ROUNDING * gain)
+                    });
+                    let within = Within { settled, enough, reached, fine, of_pile: pile };
+                    let conditions = Conditions { free, states, within };
                     let off = solver.solve([members, bodies], conditions, impulses, report)?;
                     if self.tolerance.is_none() {
                         // What impulses cancel in velocities leaves their rounding.

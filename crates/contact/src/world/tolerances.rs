@@ -20,12 +20,14 @@ pub(super) const REST_TOLERANCE: f64 = 1.0 / 256.0;
 /// Tolerance of small islands where none is asked for, relative to the largest velocity increment, so to the
 /// weight of what rests: far above rounding, and so small that what stands for hours does not creep.
 const SMALL_ISLAND_TOLERANCE: f64 = 1e-8;
-/// That of large islands, whose work grows with the digits asked for. A small island that takes too much
-/// work is left at this one, and the step is then not settled.
-const LARGE_ISLAND_TOLERANCE: f64 = 0.1;
-/// That of large islands and of moving ones relative to the fastest body.
+/// That of large islands that hardly move, whose work grows with the digits asked for. A small island that takes
+/// too much work is left at this one, and the step is then not settled.
+const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
+/// What may be left in the moving islands of a pile, relative to the largest velocity increment and to the
+/// fastest body: a tenth of what a step's weight changes, and a small part of what it stops.
+const MOVING_TOLERANCE: f64 = 0.1;
 const FASTEST_TOLERANCE: f64 = 3e-4;
-/// Islands of more contacts are large.
+/// Islands of more contacts are large, and what has more is a pile.
 pub(super) const LARGE: usize = 100;
 
 /// Rates off by so many times what rounding leaves of gaps and speeds are met.
@@ -38,6 +40,8 @@ pub(super) struct Settled {
     /// tolerance.
     pub(super) finest: f64,
     pub(super) enough: f64,
+    /// The residual within which a moving island of a pile is settled.
+    pub(super) moving: f64,
     /// By how much what stands may be off from rest: a part of the velocity increment, however loose the
     /// tolerance, or weight would be lost.
     pub(super) still: f64,
@@ -64,11 +68,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h).max(UNDERFLOW);
         let gain = fastest(&increment.0);
         let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
-        let moving = (LARGE_ISLAND_TOLERANCE * gain).max(FASTEST_TOLERANCE * fastest(&v.0));
+        let moving = (MOVING_TOLERANCE * gain).max(FASTEST_TOLERANCE * fastest(&v.0));
         let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
         Settled {
             finest: or_asked(SMALL_ISLAND_TOLERANCE),
-            enough: within(self.tolerance.unwrap_or(moving)),
+            enough: or_asked(LARGE_ISLAND_TOLERANCE),
+            moving: rounding.max(moving),
             still: within(LARGE_ISLAND_TOLERANCE * gain),
             rounding,
         }

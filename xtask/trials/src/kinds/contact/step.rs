@@ -27,6 +27,8 @@ use crate::Verdict;
 
 /// Sums are kept to this part of their terms.
 const ROUNDING: f64 = 1e-9;
+/// A step with more contacts is one of a pile.
+const PILE: usize = 100;
 /// Bodies are through each other where they are deeper in each other by this part of the thinner one
 /// than is allowed.
 const THROUGH: f64 = 0.02;
@@ -151,7 +153,7 @@ impl<'a> Referee<'a> {
 
     /// How far the step's islands are settled, m/s, where nothing else is asked for.
     fn fine(&self, step: &Step) -> f64 {
-        let part = if step.touches.len() > 100 { 1e-2 } else { 1e-8 };
+        let part = if step.touches.len() > PILE { 1e-2 } else { 1e-8 };
         self.case.tolerance.unwrap_or(part * self.case.gravity * step.h)
     }
 
@@ -305,7 +307,10 @@ impl<'a> Referee<'a> {
         };
         let fastest = self.bodies.iter().enumerate().map(speed).fold(gain, f64::max);
         let rounding = 1e-10 * fastest + 20.0 * f64::EPSILON * step.farthest() / h;
-        let asked = self.case.tolerance.unwrap_or(1e-2 * gain);
+        // Of what moves in a pile a tenth of the weight's change may be left, and 3e-4 of the fastest.
+        let pile = step.touches.len() > PILE;
+        let of_piles = (0.1 * gain).max(3e-4 * (fastest + gain));
+        let asked = self.case.tolerance.unwrap_or(if pile { of_piles } else { 1e-2 * gain });
         let slop = 0.1 * self.fine(step) + rounding;
         let mut verdict = Verdict::due();
         if report.settled {
