@@ -23,6 +23,8 @@ mod exact_friction;
 mod heavy_stacks;
 mod impact_laws;
 #[cfg(feature = "3d")]
+mod standing;
+#[cfg(feature = "3d")]
 mod jointed;
 #[cfg(feature = "3d")]
 mod jointed_space;
