@@ -108,6 +108,11 @@ impl<C> Solver<C> for SparseDiagonal {
 /// relative to the largest number of the right-hand side, equation by equation in reference scales.
 const CORRECTIONS: u32 = 4;
 const RESIDUAL: f64 = 1e-3;
+/// Forces are the same where what the equations feel of them differs by less than this part.
+const SAME_FORCE: f64 = 1e-12;
+/// The most that conjugate gradients of S, which know no dependences, are trusted with: the square of the ratio of
+/// the largest to the smallest singular value.
+const CONDITION: f64 = 1e8;
 /// Shared forces are the shortest where an iteration changes them by less than the first part, or by
 /// less than the second and no longer falls: rounding in the products is all that is left.
 const SETTLED: f64 = 1e-13;
@@ -236,12 +241,15 @@ impl DiagonalMultipliers {
         direction.copy_from_slice(&left);
         let mut square = inner(&left, &left);
         let whole = square;
+        // Steps are between one over the largest and one over the smallest eigenvalue that matters.
+        let [mut shortest, mut longest] = [f64::INFINITY, 0.0_f64];
         for _ in 0..4 * self.count + 40 {
             if square <= SETTLED * SETTLED * whole {
                 break;
             }
             self.scaled_product(&direction, &mut image);
             let step = square / inner(&direction, &image);
+            (shortest, longest) = (shortest.min(step), longest.max(step));
             z.iter_mut().zip(&direction).for_each(|(z, d)| *z += step * d);
             left.iter_mut().zip(&image).for_each(|(r, image)| *r -= step * image);
             let ratio = inner(&left, &left) / square;
@@ -251,7 +259,8 @@ impl DiagonalMultipliers {
         // Measured again: what the iterations took off gathers their rounding.
         direction.iter_mut().zip(given.iter().zip(&*z)).for_each(|(d, (a, b))| *d = a - b);
         self.scaled_product(&direction, &mut left);
-        let same = inner(&left, &left) <= SHORTEST * SHORTEST * whole;
+        let same = longest <= CONDITION * shortest
+            && inner(&left, &left) <= SAME_FORCE * SAME_FORCE * whole;
         [self.gradient, self.direction, self.image] = [left, direction, image];
         same
     }
