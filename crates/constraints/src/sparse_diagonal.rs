@@ -223,9 +223,9 @@ impl DiagonalMultipliers {
     fn shorten(&mut self, z: &mut [f64]) -> Result<(), ConstraintError> {
         let mut given = std::mem::take(&mut self.given);
         given.copy_from_slice(z);
-        let shortened = self.shorten_by_dependences(z).or_else(|error| {
-            if self.shorten_across(&given, z) { Ok(()) } else { Err(error) }
-        });
+        let shortened = self
+            .shorten_by_dependences(z)
+            .or_else(|error| if self.shorten_across(&given, z) { Ok(()) } else { Err(error) });
         self.given = given;
         shortened
     }

@@ -213,8 +213,7 @@ fn a_pile_in_motion_is_settled_as_far_as_asked_and_hardly_farther() {
 fn a_pile_in_motion_leaves_a_tenth_of_a_steps_weight_where_nothing_is_asked_for() {
     let boxes = falling_boxes(64).unwrap();
     let mut state = boxes.state.clone();
-    let mut world =
-        SpatialWorld::new(boxes.system.clone(), boxes.detector().unwrap()).unwrap();
+    let mut world = SpatialWorld::new(boxes.system.clone(), boxes.detector().unwrap()).unwrap();
     let gain = GRAVITY * 1e-3;
     let (mut of_piles, mut unsettled) = (0, 0);
     for _ in 0..1_000 {
