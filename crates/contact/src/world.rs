@@ -311,10 +311,15 @@ impl<G: Dimension, P: Potential> World<G, P> {
         SizeError::check("the momentum's components", n, state.p.components().len())?;
         SizeError::check("the poses' numbers", G::STORED * self.detector.bodies(), state.q.len())?;
         check_finite("the momentum", state.p.components())?;
+        self.find_joints(state, h, joints)?;
+        // The increment of the same state is another only by forces.
+        let forced = forces.dim() > 0;
+        if !forced && let Some(report) = self.stand(state, h, forced)? {
+            return Ok(report);
+        }
         self.system.metric().sharp(state.p.view(), self.memory.start.view_mut());
         self.find_increment(state, h, forces);
-        self.find_joints(state, h, joints)?;
-        if let Some(report) = self.stand(state, h)? {
+        if forced && let Some(report) = self.stand(state, h, forced)? {
             return Ok(report);
         }
         self.find_reach(h);
@@ -345,7 +350,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let contacts = self.kept.found().iter().map(|contact| contact.id);
         let before = self.last.step();
         self.last.keep(h, contacts.zip(self.memory.impulses.iter().copied()));
-        self.see_standing(state, [before, h], &report);
+        self.see_standing(state, [before, h], forced, &report);
         std::mem::swap(state, &mut self.memory.next);
         Ok(report)
     }

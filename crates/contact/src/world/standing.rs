@@ -22,6 +22,8 @@ pub(super) struct Standing {
     q: Vec<f64>,
     p: Vec<f64>,
     increment: Vec<f64>,
+    /// Whether forces were part of the increment, beside those of the potential.
+    forced: bool,
     report: WorldReport,
     /// The same step twice: impulses are for the step that follows.
     stood: bool,
@@ -35,11 +37,13 @@ impl Standing {
 }
 
 impl<G: Dimension, P: Potential> World<G, P> {
-    /// Takes a step from where the last one changed nothing; none where anything differs from it.
+    /// Takes a step from where the last one changed nothing; none where anything differs from it, under forces the
+    /// velocity increment as well.
     pub(super) fn stand(
         &mut self,
         state: &mut State<Vec<f64>>,
         h: f64,
+        forced: bool,
     ) -> Result<Option<WorldReport>, ContactError> {
         let World { standing, memory, .. } = self;
         let same = standing.stood
@@ -47,7 +51,10 @@ impl<G: Dimension, P: Potential> World<G, P> {
             && memory.joints.rows() == 0
             && standing.q == state.q
             && standing.p == state.p.0
-            && standing.increment == memory.increment.0;
+            && match forced {
+                true => standing.increment == memory.increment.0,
+                false => !standing.forced,
+            };
         if !same {
             standing.stood = false;
             return Ok(None);
@@ -63,6 +70,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         &mut self,
         state: &State<Vec<f64>>,
         [before, h]: [f64; 2],
+        forced: bool,
         report: &WorldReport,
     ) {
         let World { standing, memory, .. } = self;
@@ -75,6 +83,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             && state.p.0 == next.p.0;
         if standing.stood {
             standing.step = h;
+            standing.forced = forced;
             standing.q.clone_from(&state.q);
             standing.p.clone_from(&state.p.0);
             standing.increment.clone_from(&increment.0);

@@ -234,7 +234,7 @@ fn a_pile_in_motion_leaves_a_tenth_of_a_steps_weight_where_nothing_is_asked_for(
         assert!(!report.settled || left <= 1.01 * asked, "{left} {asked}");
     }
     println!("{unsettled} of {of_piles} steps of a pile are not settled");
-    assert!(of_piles > 300 && unsettled < 10, "{of_piles} {unsettled}");
+    assert!(of_piles > 300 && unsettled < 50, "{of_piles} {unsettled}");
 }
 
 #[test]
