@@ -23,13 +23,14 @@
 //! move at all, and a step of a world in which nothing moves costs no more than to see that (see
 //! `standing.rs`). Small islands without friction so far are projected exactly; else sweeps and sparse
 //! systems by turns settle them, and those of few contacts are then solved to rounding (see
-//! `polish.rs`), unless they are of a pile. These take no memory once as many contacts have been met. Contact points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
+//! `polish.rs`), unless they are of a pile. These take no memory once as many contacts have been met. Contact
+//! points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
 //!
 //! One tolerance says how far contact conditions are settled, m/s. By default it is a small part of
 //! what the forces change of velocities in the step, so that it is as fine for what is slow as for
 //! what is fast; what moves in a pile, a world of more than a hundred contacts, is settled to a tenth of
-//! that, or to 3e-4 of the fastest body. A step whose conditions are not met so far says so ([`WorldReport::settled`]), and
-//! is an error only beyond the limit that is asked for. Source: notes 11.4, 11.5.1; Stewart and
+//! that, or to 3e-4 of the fastest body. A step whose conditions are not met so far says so
+//! ([`WorldReport::settled`]), and is an error only beyond the limit that is asked for. Source: notes 11.4, 11.5.1; Stewart and
 //! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
 
 pub(crate) mod report;
