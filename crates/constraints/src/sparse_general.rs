@@ -15,9 +15,9 @@
 //! and refused if its residual is larger than 1e-5: that a known vector is found again to 1e-5 bounds the error of
 //! `l`, and rounding `l` alone leaves `eps |l|` of `b`, which is much where `l` is long. Redundant equations are
 //! refused: the error for equations that depend on each other is a matrix on which a known vector is found again no
-//! better than to 1e-5, from a
-//! ratio of singular values of J M^-1/2 of about 1e-5 on. How far they are from it is found by inverse iteration,
-//! `y <- S^-1 y`, from place to place: the root of `|y| / |S^-1 y|` in scaled equations, from above.
+//! better than to 1e-5, from a ratio of singular values of J M^-1/2 of about 1e-5 on. How far they are from it is found
+//! by inverse iteration, `y <- S^-1 y`, from place to place: the root of `|y| / |S^-1 y|` in scaled equations, from
+//! above.
 //! Source: errata conventions; `SparseIndefinite` of calculus, with the traps that it avoids.
 
 use stationary_calculus::{

@@ -150,6 +150,19 @@ fn where_exchanges_inside_of_panels_break_down_any_rows_are_exchanged() {
     assert!(rows > 50, "{rows}");
 }
 
+/// Right sides near the smallest numbers, whose residual is a few of these.
+#[test]
+fn right_sides_without_all_their_digits_are_solved() {
+    let (n, blocks) = (30, chain(10, Numbering::LinkByLink));
+    let (matrix, mut solver) = assembled(n, &blocks);
+    solver.factor(&matrix).unwrap();
+    for size in [1e-300, 1e-310, 1e-320, 5e-324] {
+        let mut x: Vec<f64> = (0..n).map(|i| size * (i as f64).cos()).collect();
+        solver.solve(&matrix, &mut x).unwrap();
+        assert!(x.iter().all(|x| x.abs() < 1e5 * size), "{x:?}");
+    }
+}
+
 #[test]
 fn singular_systems_are_refused() {
     // A constraint listed twice, a chain of springs that nothing holds, an unknown without a row.
