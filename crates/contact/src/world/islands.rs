@@ -149,9 +149,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
                     let slow = bodies.iter().all(slow);
                     let finest = REST_TOLERANCE * settled;
                     if pile {
+                        let speed = |&body: &usize| speed::<G>(&v.0[f * body..][..f], radius(body));
+                        let moving = limits.moving(bodies.iter().map(speed).fold(0.0, f64::max));
                         (settled, reached) = match slow {
                             true => (enough, limits.reached(enough)),
-                            false => (0.5 * limits.moving, limits.moving),
+                            false => (0.5 * moving, moving),
                         };
                     }
                     let large = self.tolerance.is_none() && members.len() > LARGE;

@@ -23,7 +23,7 @@ const SMALL_ISLAND_TOLERANCE: f64 = 1e-8;
 /// That of large islands that hardly move, whose work grows with the digits asked for. A small island that takes
 /// too much work is left at this one, and the step is then not settled.
 const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
-/// What may be left in the moving islands of a pile, relative to the largest velocity increment and to the
+/// What may be left in the moving islands of a pile, relative to the largest velocity increment and to its
 /// fastest body: a tenth of what a step's weight changes, and a small part of what it stops.
 const MOVING_TOLERANCE: f64 = 0.1;
 const FASTEST_TOLERANCE: f64 = 3e-4;
@@ -40,8 +40,8 @@ pub(super) struct Settled {
     /// tolerance.
     pub(super) finest: f64,
     pub(super) enough: f64,
-    /// The residual within which a moving island of a pile is settled.
-    pub(super) moving: f64,
+    /// The largest velocity increment.
+    gain: f64,
     /// By how much what stands may be off from rest: a part of the velocity increment, however loose the
     /// tolerance, or weight would be lost.
     pub(super) still: f64,
@@ -50,6 +50,11 @@ pub(super) struct Settled {
 }
 
 impl Settled {
+    /// The residual within which a moving island of a pile is settled, by its fastest body.
+    pub(super) fn moving(&self, fastest: f64) -> f64 {
+        self.rounding.max(MOVING_TOLERANCE * self.gain).max(FASTEST_TOLERANCE * fastest)
+    }
+
     /// The residual that a change leaves, within which an island is settled.
     pub(super) fn reached(&self, change: f64) -> f64 {
         if change > self.rounding { AMPLIFICATION * change } else { ROUNDINGS * self.rounding }
@@ -68,12 +73,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let rounding = (ROUNDING * fastest(&v.0)).max(GAP_ROUNDING * farthest / h).max(UNDERFLOW);
         let gain = fastest(&increment.0);
         let within = |asked: f64| rounding.max(asked / AMPLIFICATION);
-        let moving = (MOVING_TOLERANCE * gain).max(FASTEST_TOLERANCE * fastest(&v.0));
         let or_asked = |part: f64| within(self.tolerance.unwrap_or(part * gain));
         Settled {
             finest: or_asked(SMALL_ISLAND_TOLERANCE),
             enough: or_asked(LARGE_ISLAND_TOLERANCE),
-            moving: rounding.max(moving),
+            gain,
             still: within(LARGE_ISLAND_TOLERANCE * gain),
             rounding,
         }
