@@ -274,6 +274,7 @@ impl DiagonalMultipliers {
         self.right = x;
     }
 
+    /// The same by least squares in the combinations of dependences that the factor knows.
     fn shorten_by_dependences(&mut self, z: &mut [f64]) -> Result<(), ConstraintError> {
         let (mut gradient, mut direction) =
             (std::mem::take(&mut self.gradient), std::mem::take(&mut self.direction));

@@ -25,7 +25,7 @@ pub(super) struct Standing {
     /// Whether forces were part of the increment, beside those of the potential.
     forced: bool,
     report: WorldReport,
-    /// The same step twice: impulses are for the step that follows.
+    /// Whether it did; what is above is of no use otherwise.
     stood: bool,
 }
 
