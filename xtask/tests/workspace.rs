@@ -57,6 +57,26 @@ fn the_tests_compile_nothing_of_the_report_again() {
     assert!(other.is_empty(), "give xtask the features that tests have: {other:#?}");
 }
 
+#[test]
+fn what_is_built_beside_the_package_alike_compiles_nothing_from_outside_again() {
+    let whole = features(&["--workspace", "--edges", "normal,build,dev"]);
+    for part in ["stationary-calculus", "stationary-scene", "stationary-trials"] {
+        let beside = features(&[
+            "--package",
+            "stationary-alike",
+            "--package",
+            part,
+            "--no-default-features",
+            "--edges",
+            "normal,build",
+        ]);
+        let outside = beside.iter().filter(|(package, _)| !package.starts_with("stationary"));
+        let other: Vec<_> =
+            outside.filter(|(package, f)| whole.get(*package) != Some(*f)).collect();
+        assert!(other.is_empty(), "give `stationary-alike` the features of all: {other:#?}");
+    }
+}
+
 /// `cargo fmt` follows `mod` lines, and those of the studies are made by their list.
 #[test]
 fn the_studies_are_formatted() {

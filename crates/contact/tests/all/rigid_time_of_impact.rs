@@ -123,7 +123,7 @@ fn no_meeting_of_rigid_bodies_is_missed_and_none_is_invented() {
 fn what_grazes_within_the_tolerance_is_told_from_what_passes() {
     let mut random = SplitMix64::new(4);
     let (mut seen, mut most) = (0, 0);
-    while seen < 1_000 {
+    while seen < 300 {
         let shapes = [shape(&mut random), shape(&mut random)];
         let paths = [path(&mut random, 4.0), path(&mut random, 4.0)];
         let (least, when) = Distance::new(&shapes, paths).least(1.0, 400);

@@ -11,7 +11,7 @@ use stationary_measure::SplitMix64;
 const UNIT: f64 = 1.0 / 1024.0;
 const CLOSE: Closeness = Closeness { thickness: 0.0, tolerance: 1e-8 };
 /// Queries of each kind and family.
-const QUERIES: usize = 9_000;
+const QUERIES: usize = 3_000;
 
 fn integer(random: &mut SplitMix64, size: i64) -> i64 {
     (random.symmetric() * (size + 1) as f64) as i64
