@@ -1,11 +1,13 @@
-//! Contact beside rapier and MuJoCo: four problems and detection alone in one run, steps in turn.
+//! Contact beside rapier, MuJoCo and drake: four problems, detection alone, and error against time of five scenes in
+//! one run, steps in turn.
 //!
 //! `cargo run --manifest-path benches/contact/Cargo.toml`; with `PYTHON` the name of an interpreter
-//! that has `mujoco`, that too. Processor time of one thread each. What is left is measured from each
+//! that has `mujoco` and `drake`, those too. Processor time of one thread each. What is left is measured from each
 //! engine's own states by our detector, over a step, for ours as for theirs: how fast bodies still
 //! close once their gaps are used up, what of the momentum no impulses in Coulomb's cones explain, and
 //! how deep bodies overlap. Peers keep their defaults.
 
+mod cenic;
 mod detection;
 mod mujoco;
 mod quality;
@@ -37,21 +39,25 @@ impl Row {
 
     /// Counts what a piece of code takes.
     pub fn timed<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let now = || {
-            let now = clock_gettime(ClockId::ThreadCPUTime);
-            now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
-        };
-        let start = now();
+        let start = on_processor();
         let made = work();
-        self.time += now() - start;
+        self.time += on_processor() - start;
         made
     }
+}
+
+/// The seconds that this thread has had of a processor.
+pub fn on_processor() -> f64 {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
 /// A table of a problem: times over that of the first peer.
 fn print(problem: &str, rows: &[Row]) {
     println!("\n{problem}");
-    println!("| engine | time, s | over the second | closes, m/s | unexplained, m/s | overlap, m | drift, m |");
+    println!(
+        "| engine | time, s | over the second | closes, m/s | unexplained, m/s | overlap, m | drift, m |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for Row { name, time, left, drift } in rows {
         println!(
@@ -83,5 +89,8 @@ fn main() {
         let mut rows = space::tower(100, 10.0);
         rows.extend(mujoco::tower(100, 10.0));
         print("a tower of 100 boxes with offsets of 1e-3, 10 s", &rows);
+    }
+    if asked("cenic") {
+        cenic::print();
     }
 }

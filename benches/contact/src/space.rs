@@ -7,7 +7,7 @@ use rapier3d_f64::prelude::{
 use stationary_contact::problems::{Boxes, FRICTION, GRAVITY, columns_of_boxes, falling_boxes};
 use stationary_contact::{Detector, SpatialWorld};
 use stationary_measure::SplitMix64;
-use stationary_rigid::{LieGroup, RigidMotion, Weight, Poses};
+use stationary_rigid::{LieGroup, Poses, RigidMotion, Weight};
 
 use crate::quality::{Left, Seen, look};
 use crate::{LOOKS, Row, STEP};

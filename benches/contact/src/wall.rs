@@ -1,7 +1,9 @@
 //! A wall of bricks in the plane, struck by a heavy one: ours and rapier2d-f64.
 
 use nalgebra::Vector2;
-use rapier2d_f64::prelude::{ColliderBuilder, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, Vector};
+use rapier2d_f64::prelude::{
+    ColliderBuilder, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, Vector,
+};
 use stationary_calculus::{Covector, DiagonalMetric, System};
 use stationary_contact::problems::{FRICTION, GRAVITY};
 use stationary_contact::{PlanarCollider, PlanarDetector, PlanarShape, PlanarWorld};
@@ -47,8 +49,8 @@ pub fn struck(long: usize, high: usize, time: f64) -> Vec<Row> {
     let diagonal: Vec<f64> = (0..=bricks).flat_map(stored).collect();
     let lightness: Vec<f64> = diagonal.iter().map(|mass| mass.recip()).collect();
     let weight = PlanarWeight { gravity: Vector2::y() * -GRAVITY, masses };
-    let system =
-        System::new(DiagonalMetric::new(diagonal.clone()).expect("masses"), weight).expect("a system");
+    let system = System::new(DiagonalMetric::new(diagonal.clone()).expect("masses"), weight)
+        .expect("a system");
     let detector = || {
         let shape = |body: usize| PlanarShape::cuboid(of(body).1).expect("a box");
         let on_body = |body| PlanarCollider::on_body(body, shape(body)).with_friction(FRICTION);
@@ -74,7 +76,10 @@ pub fn struck(long: usize, high: usize, time: f64) -> Vec<Row> {
         rows[1].timed(|| world.step());
         let Some((own, (q, v))) = was else { continue };
         let mut seen = |q: &[f64], before: &[f64], after: &[f64]| {
-            look(&mut watch, &Seen { q, before, after, kick: &kick, lightness: &lightness, h: STEP })
+            look(
+                &mut watch,
+                &Seen { q, before, after, kick: &kick, lightness: &lightness, h: STEP },
+            )
         };
         let left = seen(&own.q, &velocities(&own.p.0), &velocities(&state.p.0));
         rows[0].left = rows[0].left.or_worse(left);

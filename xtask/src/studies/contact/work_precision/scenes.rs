@@ -40,10 +40,14 @@ pub struct Scene {
     pub size: f64,
     /// Where centres are, where there is a closed form.
     pub known: Option<Known>,
-    bodies: Vec<Body>,
-    motions: Vec<BodyMotion>,
-    colliders: Vec<Collider>,
-    gravity: Vector3<f64>,
+    /// Masses and principal moments.
+    pub bodies: Vec<Body>,
+    /// How each body starts.
+    pub motions: Vec<BodyMotion>,
+    /// What touches.
+    pub colliders: Vec<Collider>,
+    /// Acceleration, m/s^2.
+    pub gravity: Vector3<f64>,
 }
 
 type Bodies = BodiesIn<Spatial, Weight<Poses>>;
