@@ -33,7 +33,7 @@
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these, with impacts at their instant `"event-driven-2"` or `"event-driven-4"`; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these, with impacts at their instant `"event-driven-2"` or `"event-driven-4"`, in steps chosen by their error `"error-controlled"`; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
 //! | `tolerance` | below 1 | for those that choose their own steps, and only for them |
 //! | `modes` | a number | how many of them `"linear-modes"` adds up |
 //! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
@@ -230,6 +230,8 @@ mod assemble {
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
     #[cfg(feature = "rigid")]
+    pub(crate) mod led;
+    #[cfg(feature = "rigid")]
     pub(crate) mod spanning_tree;
     #[cfg(feature = "rigid")]
     pub(crate) mod joint_tree;
@@ -272,6 +274,8 @@ mod run {
     pub(crate) mod joint_set;
     #[cfg(feature = "contact")]
     pub(crate) mod event_driven;
+    #[cfg(feature = "contact")]
+    pub(crate) mod error_controlled;
     #[cfg(feature = "contact")]
     pub(crate) mod touching;
     #[cfg(feature = "rigid")]
@@ -337,7 +341,7 @@ pub use run::contact_impulses::ContactImpulse;
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
 pub use run::observer::{Control, Observer, Progress};
-pub use run::samples::{BrokenRod, Impacts, LastingContact, Run, Unsettled};
+pub use run::samples::{BrokenRod, ChosenSteps, Impacts, LastingContact, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};

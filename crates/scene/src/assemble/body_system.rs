@@ -18,6 +18,7 @@ use stationary_rigid::{
 
 use crate::JointKind as SceneJointKind;
 use crate::assemble::error::AssemblyError;
+use crate::assemble::led::Led;
 #[cfg(feature = "elasticity")]
 use crate::assemble::point_springs::PointSprings;
 use crate::assemble::turn_springs::{PlanarTurnSpring, Several};
@@ -53,8 +54,8 @@ pub(crate) struct InSpace {
 }
 
 /// Joints, and the motors that have a speed.
-pub(crate) type SpatialJoints = (Vec<Joint<Poses>>, Vec<Drive<Poses, Turned>>);
-pub(crate) type PlanarJoints = (Vec<PlanarJoint>, Vec<PlanarDrive<Turned>>);
+pub(crate) type SpatialJoints = (Vec<Led<Joint<Poses>>>, Vec<Drive<Poses, Turned>>);
+pub(crate) type PlanarJoints = (Vec<Led<PlanarJoint>>, Vec<PlanarDrive<Turned>>);
 
 /// The turn that a motor makes: the integral of its speed.
 #[derive(Clone, Debug)]
@@ -210,18 +211,32 @@ impl Scene {
         })
     }
 
-    fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
-        let kind = JointKind::Rod { length: rod.length };
-        Ok(Joint::new(Poses, self.bodies.len(), kind, self.rod_ends(rod))?)
+    /// A rod, led by its pin where that moves; `each` the stored numbers and the freedoms of a body.
+    fn led<J>(&self, held: J, rod: &Rod, each: [usize; 2]) -> Led<J> {
+        let pin = rod.ends.iter().find_map(|&end| self.drives.motion_of(end));
+        let body = rod.ends.iter().find_map(|&end| match self.particles[end].motion {
+            Motion::Carried { body, .. } => Some(body),
+            _ => None,
+        });
+        match pin.zip(body) {
+            Some((pin, body)) => Led::by_pin(held, pin.clone(), body, each),
+            None => Led::by_none(held),
+        }
     }
 
-    fn rod_in_the_plane(&self, rod: &Rod) -> Result<PlanarJoint, AssemblyError> {
+    fn rod_in_space(&self, rod: &Rod) -> Result<Led<Joint<Poses>>, AssemblyError> {
+        let kind = JointKind::Rod { length: rod.length };
+        let held = Joint::new(Poses, self.bodies.len(), kind, self.rod_ends(rod))?;
+        Ok(self.led(held, rod, [7, 6]))
+    }
+
+    fn rod_in_the_plane(&self, rod: &Rod) -> Result<Led<PlanarJoint>, AssemblyError> {
         let ends = rod.ends.map(|end| match self.particles[end].motion {
             Motion::Carried { body, point } => PlanarEnd::on(body, Vector3::from(point).xy()),
             _ => PlanarEnd::world(Vector3::from(self.particles[end].position).xy()),
         });
         let kind = PlanarJointKind::Rod { length: rod.length };
-        Ok(PlanarJoint::new(self.bodies.len(), kind, ends)?)
+        Ok(self.led(PlanarJoint::new(self.bodies.len(), kind, ends)?, rod, [3, 3]))
     }
 
     /// Motors that have a speed.
@@ -247,6 +262,7 @@ impl Scene {
         });
         let free = Free { freedoms: 6 * self.bodies.len() };
         let joints = self.joints.iter().map(|joint| joint_in_space(&self.bodies, joint));
+        let joints = joints.map(|joint| joint.map(Led::by_none));
         let rods = self.rods.iter().map(|rod| self.rod_in_space(rod));
         let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
@@ -287,6 +303,7 @@ impl Scene {
         });
         let free = Free { freedoms: masses.len() };
         let joints = self.joints.iter().map(|joint| joint_in_the_plane(&self.bodies, joint));
+        let joints = joints.map(|joint| joint.map(Led::by_none));
         let rods = self.rods.iter().map(|rod| self.rod_in_the_plane(rod));
         let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {

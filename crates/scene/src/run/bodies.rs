@@ -68,10 +68,14 @@ impl Scene {
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// What steps bodies in space.
-fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
+fn in_space<'a>(scene: &'a Scene, of: &'a InSpace) -> Made<'a> {
     #[cfg(feature = "contact")]
     if let Stepping::EventDriven(flights) = scene.stepping {
         return crate::run::event_driven::in_space(scene, of, flights);
+    }
+    #[cfg(feature = "contact")]
+    if let Stepping::ErrorControlled { tolerance } = scene.stepping {
+        return crate::run::error_controlled::in_space(scene, of, tolerance);
     }
     let Stepping::Bodies(method) = scene.stepping else {
         return Err(AssemblyError::Bodies);
@@ -95,10 +99,14 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
 }
 
 /// What steps bodies in the plane.
-fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+fn in_the_plane<'a>(scene: &'a Scene, of: &'a InThePlane) -> Made<'a> {
     #[cfg(feature = "contact")]
     if let Stepping::EventDriven(flights) = scene.stepping {
         return crate::run::event_driven::in_the_plane(scene, of, flights);
+    }
+    #[cfg(feature = "contact")]
+    if let Stepping::ErrorControlled { tolerance } = scene.stepping {
+        return crate::run::error_controlled::in_the_plane(scene, of, tolerance);
     }
     let Stepping::Equal(method) = scene.stepping else {
         return Err(AssemblyError::Bodies);

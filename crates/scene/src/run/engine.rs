@@ -99,6 +99,7 @@ impl Engine<'_> {
                     samples.impacts.extend(stepped.impacts.filter(|_| room));
                     samples.lasting.steps += u64::from(stepped.lasting > 0.0);
                     samples.lasting.time += stepped.lasting;
+                    samples.chosen.add(stepped.chosen);
                     if let Some(residual) = stepped.unsettled {
                         samples.unsettled.add(residual);
                     }

@@ -262,7 +262,7 @@ impl Scene {
     fn collider(&self, number: usize) -> Option<String> {
         let contact = self.contact.as_ref()?;
         let colliders = |body: &crate::RigidBody| match &body.shape {
-            crate::BodyShape::Moments => 0,
+            crate::BodyShape::Moments => usize::from(body.point_mass),
             crate::BodyShape::Parts(parts) => parts.len(),
             _ => 1,
         };

@@ -401,11 +401,6 @@ pub enum Fault {
     /// Both ends of a spring or a rod are on one body.
     #[error("`{0}` and `{1}` are points of one body, whose distance nothing changes")]
     SameBody(String, String),
-    /// A point that touches bodies has a size.
-    #[error(
-        "`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`"
-    )]
-    NoRadius(String),
     /// The attraction of bodies is not that of points.
     #[error(
         "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \

@@ -10,6 +10,7 @@ mod checkpoints;
 mod claims;
 mod diagnostics;
 mod driven;
+mod error_controlled;
 mod event_driven;
 mod failed_runs;
 mod faces_and_walls;

@@ -133,6 +133,79 @@ fn a_pendulum_on_a_rod_follows_a_pin_that_moves() {
     assert!(defect(&fine) < 1e-4, "{}", defect(&fine));
 }
 
+/// The same pendulum beside a body, where rods are joints: alone of order 2, solved together with contacts of order 1.
+#[test]
+fn a_rod_beside_bodies_follows_a_pin_that_moves() {
+    let [l, w, time]: [f64; 3] = [0.8, TAU * 0.7, 1.5];
+    let (angle, along) = (0.4_f64, [0.3 * w, 0.15 * w]);
+    let [end, rate] = on_a_moving_pivot(l, w, [angle, 0.0], time);
+    let hook = 0.3 * (w * time).sin();
+    let exact = [hook + l * end.sin(), 0.5 * hook - l * end.cos()];
+    let moved = 0.3 * w * (w * time).cos();
+    let speed = (moved + l * rate * end.cos()).hypot(0.5 * moved + l * rate * end.sin());
+    for (dimension, method, side) in
+        [(2, "stormer-verlet", "[1, 1]"), (3, "variational-rotation", "[1, 1, 1]")]
+    {
+        let at = |x: f64, y: f64| match dimension {
+            3 => format!("[{x}, {y}, 0]"),
+            _ => format!("[{x}, {y}]"),
+        };
+        for (contact, order) in [("", 2.0), ("contact = { restitution = 0.5 }\n", 1.0)] {
+            let run = |step: f64| {
+                scene(&format!(
+                    "dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {time}\n\
+                     uniform_gravity = {{ acceleration = {} }}\n{contact}\
+                     observables = [{{ position = \"bob\" }}, {{ velocity = \"bob\" }}, \
+                     {{ tension = [\"hook\", \"bob\"] }}]\n\
+                     bodies = [{{ name = \"far\", mass = 1, box = {side}, position = {} }}]\n\
+                     particles = [{{ name = \"hook\", position = {}, pinned = true }},\n\
+                     {{ name = \"bob\", position = {}, mass = 0.4, velocity = {} }}]\n\
+                     rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
+                     motions = [{{ of = \"hook\", shift = {}, strength = {{ sine = 1, frequency = 0.7 }} }}]\n",
+                    at(0.0, -9.81),
+                    at(30.0, 0.0),
+                    at(0.0, 0.0),
+                    at(l * angle.sin(), -l * angle.cos()),
+                    at(along[0], along[1]),
+                    at(0.3, 0.15),
+                ))
+                .run()
+                .unwrap()
+            };
+            let runs = [0.002, 0.001].map(run);
+            let off = runs.each_ref().map(|run| {
+                let x = run.observed(run.times().len() - 1);
+                (x[0] - exact[0]).hypot(x[1] - exact[1])
+            });
+            let slope = (off[0] / off[1]).log2();
+            assert!((slope - order).abs() < 0.2, "{dimension} {contact}: {slope} {off:?}");
+            assert!(off[1] < if order == 2.0 { 1e-4 } else { 2e-2 }, "{off:?}");
+            let x = runs[1].observed(runs[1].times().len() - 1);
+            let found = x[dimension].hypot(x[dimension + 1]);
+            assert!((found - speed).abs() < 2e-2, "{found} {speed}");
+            // What the pin gives through its rod is told, and closes the budget but for the steps' own defect.
+            let [coarse, fine] = runs.each_ref().map(defect);
+            assert!(fine < 0.7 * coarse && fine < 1e-2, "{dimension} {contact}: {coarse} {fine}");
+            let works = runs[1].works();
+            let told = works.iter().find(|(name, _)| name.contains("pins that move rods"));
+            assert!(told.is_some_and(|(_, work)| work.abs() > 0.1), "{works:?}");
+        }
+    }
+}
+
+/// In the coordinates of joints a pin that moves has no place.
+#[test]
+fn a_rod_to_a_pin_that_moves_is_refused_where_joints_have_coordinates() {
+    let text = "dimension = 2\nintegrator = <<\"joint-coordinates\">>\nstep = 0.01\nhorizon = 1\n\
+                bodies = [{ name = \"far\", mass = 1, box = [1, 1], position = [9, 0] }]\n\
+                particles = [{ name = \"hook\", position = [0, 0], pinned = true },\n\
+                { name = \"bob\", position = [1, 0], mass = 1 }]\n\
+                rods = [{ between = [\"hook\", \"bob\"] }]\n\
+                motions = [{ of = \"hook\", shift = [0, 1], strength = { ramp = [0, 1], from = 0.1, to = 1 } }]\n";
+    let message = "`joint-coordinates` cannot step rods to pins that move: name `stormer-verlet`";
+    crate::body_diagnostics::refused(text, message);
+}
+
 /// Along its rod a dumbbell is moved by a pin as one particle of the mass of both, to rounding.
 #[test]
 fn a_pin_that_moves_pulls_at_what_hangs_on_rods_as_at_one_mass() {
