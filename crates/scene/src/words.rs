@@ -108,7 +108,7 @@ table! {
         units: UnitsDeclaration = Kind::Table(&UnitsDeclaration::TABLE),
         /// A uniform field of gravity.
         uniform_gravity: Option<UniformGravityDeclaration> = Kind::Table(&UniformGravityDeclaration::TABLE),
-        /// Attraction between every two particles, all of which are free.
+        /// Attraction between every two particles and, in space, balls.
         newtonian_gravity: Option<NewtonianGravityDeclaration> = Kind::Table(&NewtonianGravityDeclaration::TABLE),
         /// A force that holds back every free particle and the centre of every body, in proportion to its velocity.
         drag: Option<DragDeclaration> = Kind::Table(&DragDeclaration::TABLE),
@@ -189,7 +189,7 @@ macro_rules! words {
                     self.$word.declare(draft)?;
                     #[cfg(feature = "rigid")]
                     if stringify!($word) == "rods" {
-                        draft.embody_particles(self.has_impulses());
+                        draft.embody_particles(self.has_impulses(), self.moves_what_touches());
                     }
                 )*
                 Ok(())
@@ -204,10 +204,20 @@ impl Declaration {
         self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
     }
 
-    /// Whether it is stepped as bodies are: bodies, or particles that rods join and that touch.
+    /// Whether it is stepped as bodies are: bodies, or particles that touch and that rods join or a pin pushes.
     pub(crate) fn is_of_bodies(&self, dimension: usize) -> bool {
         let rods = !self.rods.is_empty() || !self.chains.is_empty();
-        !self.bodies.is_empty() || (rods && self.has_impulses() && dimension > 1)
+        let joined = rods || self.moves_what_touches();
+        !self.bodies.is_empty() || (joined && self.has_impulses() && dimension > 1)
+    }
+
+    /// Whether a particle that has a radius moves as it is told.
+    fn moves_what_touches(&self) -> bool {
+        let round = |name: &str| {
+            let own = |particle: &&ParticleDeclaration| particle.name.get_ref() == name;
+            self.particles.iter().find(own).is_some_and(|particle| particle.radius.is_some())
+        };
+        self.motions.iter().any(|motion| round(motion.of.get_ref()))
     }
 }
 

@@ -17,6 +17,7 @@ use stationary_rigid::{
 };
 
 use crate::JointKind as SceneJointKind;
+use crate::assemble::attraction::BodyAttraction;
 use crate::assemble::error::AssemblyError;
 use crate::assemble::led::Led;
 #[cfg(feature = "elasticity")]
@@ -41,6 +42,9 @@ pub(crate) trait BodySystem {
 
     /// How a body moves, as a body in space.
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion;
+
+    /// What they attract each other by, where they do.
+    fn attraction(&self) -> Option<&BodyAttraction>;
 
     /// Appends its orientation, velocity and angular velocity, as a sample keeps them.
     fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>);
@@ -67,8 +71,10 @@ impl Schedule for Turned {
     }
 }
 
-type Load = (Option<Weight<Poses>>, Free, Springs<TorsionSpring<Poses>>);
-type PlanarLoad = (Option<PlanarWeight>, Free, Springs<PlanarTurnSpring>);
+type Load = (Gravity<Weight<Poses>>, Free, Springs<TorsionSpring<Poses>>);
+type PlanarLoad = (Gravity<PlanarWeight>, Free, Springs<PlanarTurnSpring>);
+/// A uniform field, and attraction.
+type Gravity<W> = (Option<W>, Option<BodyAttraction>);
 #[cfg(not(feature = "elasticity"))]
 type PointSprings = Free;
 /// Springs between points, and at joints.
@@ -106,6 +112,10 @@ impl BodySystem for InSpace {
         }
     }
 
+    fn attraction(&self) -> Option<&BodyAttraction> {
+        self.system.potential().0.1.as_ref()
+    }
+
     fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
         let BodyMotion { pose, velocity, angular_velocity } = self.motion(state, body);
         field.extend(pose.rotation.quaternion());
@@ -136,6 +146,10 @@ impl BodySystem for InThePlane {
             velocity: Vector3::new(p[0] / masses[0], p[1] / masses[1], 0.0),
             angular_velocity: Vector3::z() * (p[2] / masses[2]),
         }
+    }
+
+    fn attraction(&self) -> Option<&BodyAttraction> {
+        self.system.potential().0.1.as_ref()
     }
 
     fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
@@ -282,7 +296,7 @@ impl Scene {
         });
         let springs = (self.point_springs(6)?, Several(turned.collect::<Result<_, _>>()?));
         Ok(InSpace {
-            system: metric.under((weight, free, springs))?,
+            system: metric.under(((weight, self.body_attraction(6)), free, springs))?,
             joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial,
         })
@@ -313,8 +327,9 @@ impl Scene {
         let turned = self.joints.iter().filter(|joint| joint.stiffness > 0.0);
         let turned = turned.map(|joint| PlanarTurnSpring::new(&self.bodies, joint)).collect();
         let springs = (self.point_springs(3)?, Several(turned));
+        let (metric, gravity) = (DiagonalMetric::new(masses)?, (weight, self.body_attraction(3)));
         Ok(InThePlane {
-            system: System::new(DiagonalMetric::new(masses)?, (weight, free, springs))?,
+            system: System::new(metric, (gravity, free, springs))?,
             joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial: State::new(q, Covector(p)),
         })

@@ -3,7 +3,7 @@
 //! ```text
 //! g(t, q) = g_0(q - s(t) d),    dg/dt = -s'(t) J d        g_0 the rod to the pin where it starts
 //! ```
-//! `d` the pin's shift, `s` its strength, taken from the place of the body at the other end: a rod asks only how far its
+//! `d` the pin's shift, `s` its strength, taken from the place of the body at the other end: a rod asks how far its
 //! ends are apart.
 
 use std::cell::RefCell;

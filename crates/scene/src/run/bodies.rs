@@ -16,7 +16,7 @@ use crate::run::checkpoint::Checkpoint;
 use crate::run::driven::kicked;
 use crate::run::engine::{Clock, Engine};
 use crate::run::equal::Equal;
-use crate::run::error::RunError;
+use crate::run::error::{RunError, StepFailure};
 use crate::run::joint_coordinates;
 use crate::run::observer::Observer;
 use crate::run::recorder::{Failed, Recorder};
@@ -189,6 +189,11 @@ impl Recorder for BodyRecorder<'_> {
             ..Moment::default()
         };
         samples.push(scene, time, &moment, scales);
+    }
+
+    fn check(&self, state: &State<Vec<f64>>) -> Result<(), StepFailure> {
+        let attraction = self.system.attraction();
+        attraction.map_or(Ok(()), |attraction| attraction.check_outside(self.scene, &state.q))
     }
 
     fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {

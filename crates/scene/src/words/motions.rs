@@ -61,8 +61,12 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
         .bodies
         .iter()
         .any(|solid| (solid.first..solid.first + solid.rest.len()).contains(&particle));
-    if of_solid || pin.radius > 0.0 {
+    if of_solid {
         return Err(at(place, DriveFault::MotionOfHeld(name())));
+    }
+    // Without contact a radius touches nothing, and beside bodies the pin is an obstacle.
+    if pin.radius > 0.0 && draft.contact.is_some() && draft.bodies.is_empty() {
+        return Err(at(place, DriveFault::MotionOfRound(name())));
     }
     if draft.gravity.fixed.iter().any(|&(fixed, _)| fixed == particle) {
         return Err(at(place, DriveFault::MotionOfAttracting(name())));

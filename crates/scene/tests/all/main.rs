@@ -1,6 +1,7 @@
 //! What holds of `stationary-scene`, in one binary: what is generic is compiled once.
 
 mod any_input;
+mod attraction;
 mod bad_scenes;
 mod bodies;
 mod body_diagnostics;

@@ -193,6 +193,67 @@ fn a_rod_beside_bodies_follows_a_pin_that_moves() {
     }
 }
 
+/// A pin of radius 0.1 that moves at 2 m/s hits what is at rest 0.5 m ahead: `(1 + e)` times its speed is given.
+#[test]
+fn a_pin_that_moves_and_has_a_radius_pushes_what_it_meets() {
+    let (speed, mass): (f64, f64) = (2.0, 0.4);
+    for (dimension, method, side) in
+        [(2, "stormer-verlet", "[0.2, 0.2]"), (3, "variational-rotation", "[0.2, 0.2, 0.2]")]
+    {
+        let at = |x: f64, y: f64| match dimension {
+            3 => format!("[{x}, {y}, 0]"),
+            _ => format!("[{x}, {y}]"),
+        };
+        let bead = format!(
+            "{{ name = \"it\", mass = {mass}, radius = 0.1, position = {} }},",
+            at(0.6, 0.0)
+        );
+        let block = format!(
+            "bodies = [{{ name = \"it\", mass = {mass}, box = {side}, position = {} }}]\n",
+            at(0.6, 0.0)
+        );
+        for (bodies, bead) in [("", bead.as_str()), (block.as_str(), "")] {
+            for restitution in [1.0, 0.5, 0.0] {
+                let text = format!(
+                    "dimension = {dimension}\nintegrator = \"{method}\"\nstep = 0.001\nhorizon = 0.5\n\
+                     observables = [{{ position = \"it\" }}, {{ velocity = \"it\" }}]\n{bodies}\
+                     particles = [{bead} {{ name = \"pusher\", radius = 0.1, pinned = true, position = {} }}]\n\
+                     contact = {{ restitution = {restitution} }}\n\
+                     motions = [{{ of = \"pusher\", shift = {}, strength = {{ ramp = [0, 1], to = 1 }} }}]\n",
+                    at(0.0, 0.0),
+                    at(speed, 0.0),
+                );
+                let run = scene(&text).run().unwrap();
+                let end = run.observed(run.times().len() - 1);
+                let given = (1.0 + restitution) * speed;
+                assert!((end[dimension] - given).abs() < 1e-9, "{text}{end:?}");
+                // It is hit 0.4 m further, at 0.2 s, within two steps.
+                let exact = 0.6 + given * 0.3;
+                assert!((end[0] - exact).abs() < 2.0 * given * 1e-3, "{} {exact}", end[0]);
+                let energy = 0.5 * mass * given * given;
+                assert!(defect(&run) * energy < 1e-9, "{:?}", run.works());
+                let rows = run.contact_impulses();
+                let names = rows[0].between.map(|side| side.name(run.scene()));
+                assert_eq!(names, ["pusher", "it"]);
+                let pushed: f64 = rows.iter().map(|row| row.impulse[0]).sum();
+                assert!((pushed - mass * given).abs() < 1e-9 && rows[0].normal[0] > 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pin_that_moves_and_touches_where_nothing_solves_it_is_refused() {
+    let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.01\nhorizon = 1\n\
+                particles = [{ name = \"it\", mass = 1, radius = 0.1, position = [1, 0] },\n\
+                { name = \"pusher\", radius = 0.1, pinned = true, position = [0, 0] }]\n\
+                contact = { stiffness = 100 }\n\
+                motions = [{ of = <<\"pusher\">>, shift = [1, 0], strength = { ramp = [0, 1], to = 1 } }]\n";
+    let message = "`pusher` has a `radius` and touches what is there, which a pin that moves does only where impulses \
+                   move bodies in the plane or in space: leave out its `radius`, or the `stiffness` of contact";
+    crate::body_diagnostics::refused(text, message);
+}
+
 /// In the coordinates of joints a pin that moves has no place.
 #[test]
 fn a_rod_to_a_pin_that_moves_is_refused_where_joints_have_coordinates() {

@@ -48,6 +48,8 @@ impl Scene {
         if self.touches_as_bodies() {
             names.extend(["friction", "impacts"]);
         }
+        #[cfg(feature = "contact")]
+        names.extend(self.obstacles().next().map(|_| "pins that move and touch"));
         names.push("lifting out of overlap");
         if self.joints.iter().any(|joint| joint.friction > 0.0) {
             names.push("friction of joints");
