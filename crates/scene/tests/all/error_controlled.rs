@@ -159,6 +159,9 @@ fn the_summary_says_how_many_steps_were_chosen_and_what_the_budget_leaves_out() 
     let words = run(&sliding(1e-3, 0.05)).summary().to_string();
     assert!(words.contains("steps chosen by their error"), "{words}");
     assert!(words.contains("friction that lasts, and the error of the steps"), "{words}");
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("error-controlled");
+    run(&sliding(1e-3, 0.05)).write(&folder).unwrap();
+    assert!(folder.join("events.csv").exists() && !folder.join("contacts.csv").exists());
 }
 
 #[test]

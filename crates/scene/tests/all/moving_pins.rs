@@ -242,6 +242,24 @@ fn a_pin_that_moves_and_has_a_radius_pushes_what_it_meets() {
     }
 }
 
+/// A ball on a rod from a pin that moves, which another pushes: a run that is resumed is the one that was not.
+#[test]
+fn a_run_with_pins_that_lead_and_push_resumes_to_the_same_bits() {
+    let text = "dimension = 3\nintegrator = \"variational-rotation\"\nstep = 0.005\nhorizon = 1\n\
+                uniform_gravity = { acceleration = [0, 0, -10] }\n\
+                bodies = [{ name = \"far\", mass = 1, box = [1, 1, 1], position = [9, 0, 0] }]\n\
+                particles = [{ name = \"hook\", pinned = true, position = [0, 0, 1] },\n\
+                { name = \"bob\", mass = 1, radius = 0.1, position = [0, 0, 0] },\n\
+                { name = \"pusher\", pinned = true, radius = 0.2, position = [-0.6, 0, 0.05] }]\n\
+                rods = [{ between = [\"hook\", \"bob\"] }]\n\
+                contact = { restitution = 0.5, friction = 0.3 }\n\
+                motions = [{ of = \"hook\", shift = [0, 0.2, 0], strength = { ramp = [0, 1], from = 0.1, to = 0.6 } },\n\
+                { of = \"pusher\", shift = [0.7, 0, 0], strength = { ramp = [0, 1], to = 0.8 } }]\n";
+    let scene = scene(text);
+    assert!(!scene.run().unwrap().impacts().is_empty());
+    crate::checkpoints::assert_resumes(&scene, &[2, 90, 150], "pins-that-push");
+}
+
 #[test]
 fn a_pin_that_moves_and_touches_where_nothing_solves_it_is_refused() {
     let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.01\nhorizon = 1\n\
