@@ -8,7 +8,9 @@
 
 use std::cell::RefCell;
 
+#[cfg(feature = "constraints")]
 use stationary_calculus::{Sink, SizeError};
+#[cfg(feature = "constraints")]
 use stationary_constraints::{Constraint, ConstraintOn, Rows, Scale, check_values};
 
 use crate::model::drives::PinMotion;
@@ -60,12 +62,14 @@ impl Leader {
 }
 
 /// What the rows of a differential give along a velocity of the pin.
+#[cfg(feature = "constraints")]
 struct Against<'a> {
     first: usize,
     velocity: &'a [f64],
     rate: &'a mut [f64],
 }
 
+#[cfg(feature = "constraints")]
 impl Rows for Against<'_> {
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
         let own = freedom.checked_sub(self.first).and_then(|c| self.velocity.get(c));
@@ -75,8 +79,10 @@ impl Rows for Against<'_> {
     }
 }
 
+#[cfg(feature = "constraints")]
 impl<S, J: ConstraintOn<S>> ConstraintOn<S> for Led<J> {}
 
+#[cfg(feature = "constraints")]
 impl<J: Constraint> Constraint for Led<J> {
     fn dim(&self) -> usize {
         self.held.dim()
