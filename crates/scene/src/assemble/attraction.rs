@@ -14,7 +14,6 @@ use crate::assemble::anchor::Anchor;
 use crate::model::body_shape::BodyShape;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
-use crate::run::error::StepFailure;
 
 /// The potential of bodies that have `each` freedoms and attract as points at their centres do.
 #[derive(Clone, Debug)]
@@ -72,7 +71,7 @@ impl Scene {
     }
 
     /// The name of what attracts.
-    fn attracting(&self, number: usize) -> &str {
+    pub(crate) fn attracting(&self, number: usize) -> &str {
         match number.checked_sub(self.bodies.len()) {
             None => &self.bodies[number].name,
             Some(pin) => &self.particles[self.gravity.fixed[pin].0].name,
@@ -107,18 +106,18 @@ impl BodyAttraction {
         if self.each == 6 { 3 } else { 2 }
     }
 
-    /// An error where the centre of one is within another, or two balls overlap.
-    pub(crate) fn check_outside(&self, scene: &Scene, q: &[f64]) -> Result<(), StepFailure> {
+    /// The first two of which one's centre is within the other, or that overlap; the distance of their centres, and
+    /// the sum of their radii.
+    pub(crate) fn inside(&self, q: &[f64]) -> Option<([usize; 2], [f64; 2])> {
         let mut inside = None;
         self.pairs(q, |pair, apart| {
             let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
             let [a, b] = pair.map(|number| self.all[number].radius);
             if distance < (1.0 - OVERLAP) * (a + b) && inside.is_none() {
-                let [first, second] = pair.map(|number| scene.attracting(number).to_owned());
-                inside = Some(StepFailure::Inside { first, second, distance, radii: a + b });
+                inside = Some((pair, [distance, a + b]));
             }
         });
-        inside.map_or(Ok(()), Err)
+        inside
     }
 }
 

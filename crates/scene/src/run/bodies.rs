@@ -192,8 +192,10 @@ impl Recorder for BodyRecorder<'_> {
     }
 
     fn check(&self, state: &State<Vec<f64>>) -> Result<(), StepFailure> {
-        let attraction = self.system.attraction();
-        attraction.map_or(Ok(()), |attraction| attraction.check_outside(self.scene, &state.q))
+        let inside = self.system.attraction().and_then(|attraction| attraction.inside(&state.q));
+        let Some((pair, [distance, radii])) = inside else { return Ok(()) };
+        let [first, second] = pair.map(|number| self.scene.attracting(number).to_owned());
+        Err(StepFailure::Inside { first, second, distance, radii })
     }
 
     fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {
