@@ -3,7 +3,7 @@
 //! ```text
 //! x(t) = x_0 + s(t) d,    v = (x(t + h) - x(t))/h in a step of h        bodies after those of the scene
 //! ```
-//! To whoever steps they are balls of infinite mass at the end of the list of bodies; the scene itself does not know them.
+//! To whoever steps they are balls of infinite mass behind the bodies; the scene itself does not know them.
 
 use stationary_integrators::State;
 
