@@ -33,7 +33,7 @@
 //! | --- | --- | --- |
 //! | `title` | a text | the file's name where it is missing |
 //! | `dimension` | 1, 2 or 3 | |
-//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these, with impacts at their instant `"event-driven-2"` or `"event-driven-4"`; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
+//! | `integrator` | a method of [`stationary_integrators::Method`], `"dormand-prince-853"`, `"dormand-prince-54"`, `"radau-iia-5"`, `"bdf-5"`, `"rattle"`, `"constrained-hamilton"` or `"linear-modes"`; of bodies in space one of [`stationary_rigid::BodyMethod`], in the coordinates of their joints `"joint-coordinates"` or one of the first two of these, with impacts at their instant `"event-driven-2"` or `"event-driven-4"`, in steps chosen by their error `"error-controlled"`; of heat one of [`stationary_laplacian::HeatMethod`] or `"linear-modes"` | such as `"stormer-verlet"`, `"variational-rotation"`, `"implicit-euler"`; the two before `"linear-modes"` are for rods |
 //! | `tolerance` | below 1 | for those that choose their own steps, and only for them |
 //! | `modes` | a number | how many of them `"linear-modes"` adds up |
 //! | `step`, `horizon` | times | the horizon is a whole number of steps; a method that chooses its own is read off at them |
@@ -44,7 +44,7 @@
 //! | `[parameters]` | numbers by name | for arithmetic wherever a number may stand |
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration`, `strength` | a vector, and how strong it is in time |
-//! | `[newtonian_gravity]` | `constant` | between every two particles; one that is pinned and has a mass attracts, and stays |
+//! | `[newtonian_gravity]` | `constant` | between every two particles and, in space, bodies that are a `ball`, outside of each other; a particle that is pinned and has a mass attracts, and stays |
 //! | `[drag]` | `coefficient` | holds back every free particle and the centre of every body by the coefficient times its velocity; for methods of order up to 2 and those that choose their own steps |
 //! | `[frame]` | `angular_velocity` | of a frame that turns about the origin, in which everything is seen |
 //! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
@@ -59,7 +59,7 @@
 //! | `[[joints]]` | `kind`, `between`, `at`, `axis`, `stiffness`, `rest`, `damping`, `limits`, `friction` | in space `"ball"`, `"hinge"`, `"slider"` (with their axis) or `"fixed"`, in the plane `"pin"`, `"slider"` or `"weld"`, between two bodies or a body and `"world"`; place and axis are those of the start, in the world; a pin or a hinge may have a spring and a damper; these and sliders limits and dry friction |
 //! | `[[motors]]` | `between`, `torque` or `speed` | at a pin or a hinge: of the second against the first, a number or a strength in time |
 //! | `[[loads]]` | `on`, `force`, `torque`, `strength` | on a particle, a body, or a point of a body, in world axes |
-//! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, and pulls at its springs and rods |
+//! | `[[motions]]` | `of`, `shift`, `strength` | a pinned particle that moves, pulls at its springs and rods, and pushes what its radius meets |
 //!
 //! A text that begins with `=` is arithmetic wherever a number may stand, with the numbers of
 //! `[parameters]`: `position = ["= 2*L", 0]`. [`Scene::read_with`] gives parameters other values.
@@ -230,6 +230,10 @@ mod assemble {
     #[cfg(feature = "rigid")]
     pub(crate) mod body_system;
     #[cfg(feature = "rigid")]
+    pub(crate) mod led;
+    #[cfg(feature = "rigid")]
+    pub(crate) mod attraction;
+    #[cfg(feature = "rigid")]
     pub(crate) mod spanning_tree;
     #[cfg(feature = "rigid")]
     pub(crate) mod joint_tree;
@@ -237,6 +241,8 @@ mod assemble {
     pub(crate) mod colliders;
     #[cfg(feature = "contact")]
     pub(crate) mod placing;
+    #[cfg(feature = "contact")]
+    pub(crate) mod obstacles;
 }
 
 mod run {
@@ -272,6 +278,8 @@ mod run {
     pub(crate) mod joint_set;
     #[cfg(feature = "contact")]
     pub(crate) mod event_driven;
+    #[cfg(feature = "contact")]
+    pub(crate) mod error_controlled;
     #[cfg(feature = "contact")]
     pub(crate) mod touching;
     #[cfg(feature = "rigid")]
@@ -337,7 +345,7 @@ pub use run::contact_impulses::ContactImpulse;
 pub use run::error::{Interruption, RunError, StepFailure, Stop};
 pub use run::fields::BodyField;
 pub use run::observer::{Control, Observer, Progress};
-pub use run::samples::{BrokenRod, Impacts, LastingContact, Run, Unsettled};
+pub use run::samples::{BrokenRod, ChosenSteps, Impacts, LastingContact, Run, Unsettled};
 pub use show::folder::make_folder;
 pub use show::summary::Summary;
 pub use text::diagnostic::{Diagnostic, Place};

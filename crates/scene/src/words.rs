@@ -87,7 +87,7 @@ table! {
         /// The dimensions of space.
         dimension: Spanned<Count> = Kind::Dimension,
         /// The method that steps it. Which ones a scene may name depends on what is in it.
-        integrator: Spanned<String> = Kind::OneOf(&["explicit-euler", "implicit-euler", "trapezoid", "implicit-midpoint", "symplectic-euler-drift-kick", "symplectic-euler-kick-drift", "stormer-verlet", "runge-kutta-4", "nystrom-4", "triple-jump-4", "suzuki-4", "blanes-moan-4", "blanes-moan-nystrom-4", "yoshida-6", "kahan-li-6", "blanes-moan-6", "blanes-moan-nystrom-6", "yoshida-8", "kahan-li-8", "gauss-legendre-4", "gauss-legendre-6", "gauss-legendre-8", "newmark", "generalized-alpha", "dormand-prince-853", "dormand-prince-54", "radau-iia-5", "bdf-5", "rattle", "constrained-hamilton", "linear-modes", "variational-rotation", "axis-rotations", "exact-rotation", "munthe-kaas-4", "renormalized-euler", "joint-coordinates", "event-driven-2", "event-driven-4", "crank-nicolson"]),
+        integrator: Spanned<String> = Kind::OneOf(&["explicit-euler", "implicit-euler", "trapezoid", "implicit-midpoint", "symplectic-euler-drift-kick", "symplectic-euler-kick-drift", "stormer-verlet", "runge-kutta-4", "nystrom-4", "triple-jump-4", "suzuki-4", "blanes-moan-4", "blanes-moan-nystrom-4", "yoshida-6", "kahan-li-6", "blanes-moan-6", "blanes-moan-nystrom-6", "yoshida-8", "kahan-li-8", "gauss-legendre-4", "gauss-legendre-6", "gauss-legendre-8", "newmark", "generalized-alpha", "dormand-prince-853", "dormand-prince-54", "radau-iia-5", "bdf-5", "rattle", "constrained-hamilton", "linear-modes", "variational-rotation", "axis-rotations", "exact-rotation", "munthe-kaas-4", "renormalized-euler", "joint-coordinates", "event-driven-2", "event-driven-4", "error-controlled", "crank-nicolson"]),
         /// The error allowed in a step, for methods that choose their own steps, and only for
         /// them.
         tolerance: Option<Spanned<Number>> = Kind::Tolerance,
@@ -108,7 +108,7 @@ table! {
         units: UnitsDeclaration = Kind::Table(&UnitsDeclaration::TABLE),
         /// A uniform field of gravity.
         uniform_gravity: Option<UniformGravityDeclaration> = Kind::Table(&UniformGravityDeclaration::TABLE),
-        /// Attraction between every two particles, all of which are free.
+        /// Attraction between every two particles and, in space, balls.
         newtonian_gravity: Option<NewtonianGravityDeclaration> = Kind::Table(&NewtonianGravityDeclaration::TABLE),
         /// A force that holds back every free particle and the centre of every body, in proportion to its velocity.
         drag: Option<DragDeclaration> = Kind::Table(&DragDeclaration::TABLE),
@@ -189,7 +189,7 @@ macro_rules! words {
                     self.$word.declare(draft)?;
                     #[cfg(feature = "rigid")]
                     if stringify!($word) == "rods" {
-                        draft.embody_particles(self.has_impulses());
+                        draft.embody_particles(self.has_impulses(), self.moves_what_touches());
                     }
                 )*
                 Ok(())
@@ -204,10 +204,20 @@ impl Declaration {
         self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
     }
 
-    /// Whether it is stepped as bodies are: bodies, or particles that rods join and that touch.
+    /// Whether it is stepped as bodies are: bodies, or particles that touch and that rods join or a pin pushes.
     pub(crate) fn is_of_bodies(&self, dimension: usize) -> bool {
         let rods = !self.rods.is_empty() || !self.chains.is_empty();
-        !self.bodies.is_empty() || (rods && self.has_impulses() && dimension > 1)
+        let joined = rods || self.moves_what_touches();
+        !self.bodies.is_empty() || (joined && self.has_impulses() && dimension > 1)
+    }
+
+    /// Whether a particle that has a radius moves as it is told.
+    fn moves_what_touches(&self) -> bool {
+        let round = |name: &str| {
+            let own = |particle: &&ParticleDeclaration| particle.name.get_ref() == name;
+            self.particles.iter().find(own).is_some_and(|particle| particle.radius.is_some())
+        };
+        self.motions.iter().any(|motion| round(motion.of.get_ref()))
     }
 }
 

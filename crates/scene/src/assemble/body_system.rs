@@ -17,7 +17,9 @@ use stationary_rigid::{
 };
 
 use crate::JointKind as SceneJointKind;
+use crate::assemble::attraction::BodyAttraction;
 use crate::assemble::error::AssemblyError;
+use crate::assemble::led::Led;
 #[cfg(feature = "elasticity")]
 use crate::assemble::point_springs::PointSprings;
 use crate::assemble::turn_springs::{PlanarTurnSpring, Several};
@@ -41,6 +43,9 @@ pub(crate) trait BodySystem {
     /// How a body moves, as a body in space.
     fn motion(&self, state: &State<Vec<f64>>, body: usize) -> BodyMotion;
 
+    /// What they attract each other by, where they do.
+    fn attraction(&self) -> Option<&BodyAttraction>;
+
     /// Appends its orientation, velocity and angular velocity, as a sample keeps them.
     fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>);
 }
@@ -53,8 +58,8 @@ pub(crate) struct InSpace {
 }
 
 /// Joints, and the motors that have a speed.
-pub(crate) type SpatialJoints = (Vec<Joint<Poses>>, Vec<Drive<Poses, Turned>>);
-pub(crate) type PlanarJoints = (Vec<PlanarJoint>, Vec<PlanarDrive<Turned>>);
+pub(crate) type SpatialJoints = (Vec<Led<Joint<Poses>>>, Vec<Drive<Poses, Turned>>);
+pub(crate) type PlanarJoints = (Vec<Led<PlanarJoint>>, Vec<PlanarDrive<Turned>>);
 
 /// The turn that a motor makes: the integral of its speed.
 #[derive(Clone, Debug)]
@@ -66,8 +71,10 @@ impl Schedule for Turned {
     }
 }
 
-type Load = (Option<Weight<Poses>>, Free, Springs<TorsionSpring<Poses>>);
-type PlanarLoad = (Option<PlanarWeight>, Free, Springs<PlanarTurnSpring>);
+type Load = (Gravity<Weight<Poses>>, Free, Springs<TorsionSpring<Poses>>);
+type PlanarLoad = (Gravity<PlanarWeight>, Free, Springs<PlanarTurnSpring>);
+/// A uniform field, and attraction.
+type Gravity<W> = (Option<W>, Option<BodyAttraction>);
 #[cfg(not(feature = "elasticity"))]
 type PointSprings = Free;
 /// Springs between points, and at joints.
@@ -105,6 +112,10 @@ impl BodySystem for InSpace {
         }
     }
 
+    fn attraction(&self) -> Option<&BodyAttraction> {
+        self.system.potential().0.1.as_ref()
+    }
+
     fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
         let BodyMotion { pose, velocity, angular_velocity } = self.motion(state, body);
         field.extend(pose.rotation.quaternion());
@@ -135,6 +146,10 @@ impl BodySystem for InThePlane {
             velocity: Vector3::new(p[0] / masses[0], p[1] / masses[1], 0.0),
             angular_velocity: Vector3::z() * (p[2] / masses[2]),
         }
+    }
+
+    fn attraction(&self) -> Option<&BodyAttraction> {
+        self.system.potential().0.1.as_ref()
     }
 
     fn append_field(&self, state: &State<Vec<f64>>, body: usize, field: &mut Vec<f64>) {
@@ -210,18 +225,32 @@ impl Scene {
         })
     }
 
-    fn rod_in_space(&self, rod: &Rod) -> Result<Joint<Poses>, AssemblyError> {
-        let kind = JointKind::Rod { length: rod.length };
-        Ok(Joint::new(Poses, self.bodies.len(), kind, self.rod_ends(rod))?)
+    /// A rod, led by its pin where that moves; `each` the stored numbers and the freedoms of a body.
+    fn led<J>(&self, held: J, rod: &Rod, each: [usize; 2]) -> Led<J> {
+        let pin = rod.ends.iter().find_map(|&end| self.drives.motion_of(end));
+        let body = rod.ends.iter().find_map(|&end| match self.particles[end].motion {
+            Motion::Carried { body, .. } => Some(body),
+            _ => None,
+        });
+        match pin.zip(body) {
+            Some((pin, body)) => Led::by_pin(held, pin.clone(), body, each),
+            None => Led::by_none(held),
+        }
     }
 
-    fn rod_in_the_plane(&self, rod: &Rod) -> Result<PlanarJoint, AssemblyError> {
+    fn rod_in_space(&self, rod: &Rod) -> Result<Led<Joint<Poses>>, AssemblyError> {
+        let kind = JointKind::Rod { length: rod.length };
+        let held = Joint::new(Poses, self.bodies.len(), kind, self.rod_ends(rod))?;
+        Ok(self.led(held, rod, [7, 6]))
+    }
+
+    fn rod_in_the_plane(&self, rod: &Rod) -> Result<Led<PlanarJoint>, AssemblyError> {
         let ends = rod.ends.map(|end| match self.particles[end].motion {
             Motion::Carried { body, point } => PlanarEnd::on(body, Vector3::from(point).xy()),
             _ => PlanarEnd::world(Vector3::from(self.particles[end].position).xy()),
         });
         let kind = PlanarJointKind::Rod { length: rod.length };
-        Ok(PlanarJoint::new(self.bodies.len(), kind, ends)?)
+        Ok(self.led(PlanarJoint::new(self.bodies.len(), kind, ends)?, rod, [3, 3]))
     }
 
     /// Motors that have a speed.
@@ -247,6 +276,7 @@ impl Scene {
         });
         let free = Free { freedoms: 6 * self.bodies.len() };
         let joints = self.joints.iter().map(|joint| joint_in_space(&self.bodies, joint));
+        let joints = joints.map(|joint| joint.map(Led::by_none));
         let rods = self.rods.iter().map(|rod| self.rod_in_space(rod));
         let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
@@ -266,7 +296,7 @@ impl Scene {
         });
         let springs = (self.point_springs(6)?, Several(turned.collect::<Result<_, _>>()?));
         Ok(InSpace {
-            system: metric.under((weight, free, springs))?,
+            system: metric.under(((weight, self.body_attraction(6)), free, springs))?,
             joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial,
         })
@@ -287,6 +317,7 @@ impl Scene {
         });
         let free = Free { freedoms: masses.len() };
         let joints = self.joints.iter().map(|joint| joint_in_the_plane(&self.bodies, joint));
+        let joints = joints.map(|joint| joint.map(Led::by_none));
         let rods = self.rods.iter().map(|rod| self.rod_in_the_plane(rod));
         let joints = joints.chain(rods);
         let drives = self.speeds().map(|motor| {
@@ -296,8 +327,9 @@ impl Scene {
         let turned = self.joints.iter().filter(|joint| joint.stiffness > 0.0);
         let turned = turned.map(|joint| PlanarTurnSpring::new(&self.bodies, joint)).collect();
         let springs = (self.point_springs(3)?, Several(turned));
+        let (metric, gravity) = (DiagonalMetric::new(masses)?, (weight, self.body_attraction(3)));
         Ok(InThePlane {
-            system: System::new(DiagonalMetric::new(masses)?, (weight, free, springs))?,
+            system: System::new(metric, (gravity, free, springs))?,
             joints: (joints.collect::<Result<_, _>>()?, drives.collect::<Result<_, _>>()?),
             initial: State::new(q, Covector(p)),
         })

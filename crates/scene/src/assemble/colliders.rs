@@ -2,6 +2,9 @@
 //!
 //! Two bodies, and a body and what is fixed, have the scene's restitution and friction, or those of their
 //! pair, or pass through each other, as do two bodies that a joint joins.
+//!
+//! A particle without a radius is a point, here as among particles alone (`contacts.rs`): it enters nothing that has
+//! a size, and passes through other points.
 
 use std::ops::Range;
 
@@ -15,6 +18,12 @@ use crate::model::body_shape::{BodyPart, BodyShape};
 use crate::model::contact_side::ContactSide;
 use crate::model::items::{SceneContact, ScenePair};
 use crate::model::scene::Scene;
+
+/// The radius of a point, as a part of the scene's size: far below what contacts are solved to, and all that shapes
+/// need to have one.
+const POINT_RADIUS: f64 = 1e-9;
+/// The group of points, which meet all others.
+const POINTS: u32 = 1;
 
 /// How many shapes there are: those of bodies, then walls, then fixed balls, then pins.
 #[derive(Clone, Copy, Default)]
@@ -166,7 +175,7 @@ impl Scene {
         ),
         fixed: Vec<(G::Motion, G::Shape)>,
     ) -> Result<Vec<ColliderIn<G>>, ContactError> {
-        let mut colliders = Vec::new();
+        let (mut colliders, size) = (Vec::new(), self.scale());
         for (index, body) in self.bodies.iter().enumerate() {
             if let BodyShape::Parts(parts) = &body.shape {
                 for part in parts {
@@ -175,6 +184,11 @@ impl Scene {
                     let place = place(part);
                     colliders.extend(collider.map(|collider| ColliderIn { place, ..collider }));
                 }
+            } else if body.point_mass && body.shape == BodyShape::Moments {
+                let ball = BodyShape::Ball(POINT_RADIUS * size);
+                let shape = of_body(&ball)?;
+                let point = |shape| ColliderIn::on_body(index, shape).in_groups(POINTS, !POINTS);
+                colliders.extend(shape.map(point));
             } else if let Some(shape) = of_body(&body.shape)? {
                 colliders.push(ColliderIn::on_body(index, shape));
             }

@@ -55,9 +55,4 @@ impl Scene {
         });
         Ok(Rods::on(vertices.free, Pins(pins.collect()), rods.collect())?)
     }
-
-    /// Whether a pin moves that holds a rod.
-    pub(crate) fn moves_rods(&self) -> bool {
-        self.rods.iter().any(|rod| rod.ends.iter().any(|&end| self.drives.moves(end)))
-    }
 }

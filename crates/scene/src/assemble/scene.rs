@@ -183,10 +183,9 @@ fn check_what_is_there(declared: &Declaration) -> Checked<()> {
         return others.map_or(Ok(()), |place| Err(at(place, Fault::MixedWithHeat)));
     }
     let elastic = declared.first(Of::Elastic);
-    match (bodies, joints, elastic, attraction) {
-        (None, Some(joint), ..) => Err(at(joint, BodyFault::NoBodies)),
-        (Some(_), _, Some(elastic), _) => Err(at(elastic, Fault::ElasticBesideRigid)),
-        (Some(_), _, _, Some(attraction)) => Err(at(attraction, Fault::BodyAttraction)),
+    match (bodies, joints, elastic) {
+        (None, Some(joint), _) => Err(at(joint, BodyFault::NoBodies)),
+        (Some(_), _, Some(elastic)) => Err(at(elastic, Fault::ElasticBesideRigid)),
         _ => Ok(()),
     }
 }

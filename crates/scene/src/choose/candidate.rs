@@ -78,8 +78,11 @@ pub fn candidates(scene: &Scene) -> Vec<Candidate> {
         let stepping = Stepping::EventDriven(flights);
         Candidate::of(stepping, Kind::EqualSteps, order, stages, Evaluation::Explicit)
     });
+    // Of order 2 between impacts, three steps of a world each.
+    let chosen = Stepping::ErrorControlled { tolerance: 0.1 };
+    let chosen = Candidate::of(chosen, Kind::Adaptive, 2, 3, Evaluation::Explicit);
     let elastic = (!scene.solids().is_empty()).then_some(modes);
-    let all = known.chain(own).chain(held).chain([joints]).chain(flights).chain(elastic);
+    let all = known.chain(own).chain(held).chain([joints, chosen]).chain(flights).chain(elastic);
     // Springs of touch have a kink where things meet: no order above two holds.
     let kink = scene.contact().is_some_and(|contact| contact.stiffness.is_some());
     all.filter(|candidate| !kink || candidate.name == Method::StormerVerlet.facts().name).collect()

@@ -259,6 +259,16 @@ impl Scene {
         self.contact.is_some() && !self.bodies.is_empty()
     }
 
+    /// Whether bodies touch in steps that are chosen by their error, which tell no impulses of contacts.
+    pub(crate) fn chooses_contact_steps(&self) -> bool {
+        self.stepping.tolerance().is_some() && self.touches_as_bodies()
+    }
+
+    /// Whether steps tell the impulses of its contacts.
+    pub(crate) fn tells_impulses(&self) -> bool {
+        self.has_impulses() && !self.chooses_contact_steps()
+    }
+
     /// Whether its joints have limits or friction, or rods beside bodies break.
     pub(crate) fn has_bounds(&self) -> bool {
         let bounded = |joint: &SceneJoint| joint.limits.is_some() || joint.friction > 0.0;
@@ -269,6 +279,11 @@ impl Scene {
     /// Whether bodies are stepped with inequalities: what touches, limits, dry friction, rods that break.
     pub(crate) fn has_inequalities(&self) -> bool {
         self.touches_as_bodies() || self.has_bounds()
+    }
+
+    /// Whether a pin moves that holds a rod.
+    pub(crate) fn moves_rods(&self) -> bool {
+        self.rods.iter().any(|rod| rod.ends.iter().any(|&end| self.drives.moves(end)))
     }
 
     /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.

@@ -13,9 +13,8 @@ use stationary_elasticity::{Lame, Strain};
 impl Serialize for Stepping {
     fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         let number = match *self {
-            Stepping::Adaptive { tolerance, .. } => Some(tolerance),
             Stepping::LinearModes { count } => Some(count as f64),
-            _ => None,
+            stepping => stepping.tolerance(),
         };
         (self.name(), number).serialize(out)
     }

@@ -45,6 +45,13 @@ pub enum Stepping {
     /// `stationary_contact`. While anything rests or slides all takes steps of a world.
     #[cfg(feature = "rigid")]
     EventDriven(FlightSteps),
+    /// Bodies that touch, in steps chosen by their error: `ErrorControlled` of `stationary_contact`, whose
+    /// accuracy is `tolerance` times the scene's size.
+    #[cfg(feature = "rigid")]
+    ErrorControlled {
+        /// The tolerance.
+        tolerance: f64,
+    },
 }
 
 /// How bodies fly between impacts that are met at their instant.
@@ -95,6 +102,10 @@ pub(crate) const JOINT_COORDINATES: &str = "joint-coordinates";
 pub(crate) const EVENT_DRIVEN: [(&str, FlightSteps); 2] =
     [("event-driven-2", FlightSteps::Second), ("event-driven-4", FlightSteps::Fourth)];
 
+/// The word for contact in steps that are chosen by their error.
+#[cfg(feature = "rigid")]
+pub(crate) const ERROR_CONTROLLED: &str = "error-controlled";
+
 /// Steps of lasting contact in a step of these: bounces end as rest where they are shorter than four of them.
 pub(crate) const CONTACT_STEPS: u32 = 64;
 
@@ -127,10 +138,22 @@ impl Stepping {
             Stepping::JointCoordinates => JOINT_COORDINATES,
             #[cfg(feature = "rigid")]
             Stepping::EventDriven(flights) => named(&EVENT_DRIVEN, flights),
+            #[cfg(feature = "rigid")]
+            Stepping::ErrorControlled { .. } => ERROR_CONTROLLED,
         }
     }
 
-    /// Whether its steps solve equations, and so count iterations that depend on rounding.
+    /// The tolerance of a method that chooses its own steps.
+    pub(crate) fn tolerance(self) -> Option<f64> {
+        match self {
+            Stepping::Adaptive { tolerance, .. } => Some(tolerance),
+            #[cfg(feature = "rigid")]
+            Stepping::ErrorControlled { tolerance } => Some(tolerance),
+            _ => None,
+        }
+    }
+
+    /// Whether its steps solve equations or are chosen, so that counts depend on rounding.
     pub fn evaluation(self) -> Evaluation {
         match self {
             Stepping::Equal(method) => method.facts().evaluation,
@@ -144,6 +167,8 @@ impl Stepping {
             // Of impacts and contact steps none counts iterations.
             #[cfg(feature = "rigid")]
             Stepping::EventDriven(_) => Evaluation::Explicit,
+            #[cfg(feature = "rigid")]
+            Stepping::ErrorControlled { .. } => Evaluation::Implicit,
             Stepping::Adaptive { .. } | Stepping::Constrained(_) | Stepping::LinearModes { .. } => {
                 Evaluation::Implicit
             }

@@ -16,7 +16,7 @@ use crate::run::checkpoint::Checkpoint;
 use crate::run::driven::kicked;
 use crate::run::engine::{Clock, Engine};
 use crate::run::equal::Equal;
-use crate::run::error::RunError;
+use crate::run::error::{RunError, StepFailure};
 use crate::run::joint_coordinates;
 use crate::run::observer::Observer;
 use crate::run::recorder::{Failed, Recorder};
@@ -68,10 +68,14 @@ impl Scene {
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// What steps bodies in space.
-fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
+fn in_space<'a>(scene: &'a Scene, of: &'a InSpace) -> Made<'a> {
     #[cfg(feature = "contact")]
     if let Stepping::EventDriven(flights) = scene.stepping {
         return crate::run::event_driven::in_space(scene, of, flights);
+    }
+    #[cfg(feature = "contact")]
+    if let Stepping::ErrorControlled { tolerance } = scene.stepping {
+        return crate::run::error_controlled::in_space(scene, of, tolerance);
     }
     let Stepping::Bodies(method) = scene.stepping else {
         return Err(AssemblyError::Bodies);
@@ -95,10 +99,14 @@ fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
 }
 
 /// What steps bodies in the plane.
-fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+fn in_the_plane<'a>(scene: &'a Scene, of: &'a InThePlane) -> Made<'a> {
     #[cfg(feature = "contact")]
     if let Stepping::EventDriven(flights) = scene.stepping {
         return crate::run::event_driven::in_the_plane(scene, of, flights);
+    }
+    #[cfg(feature = "contact")]
+    if let Stepping::ErrorControlled { tolerance } = scene.stepping {
+        return crate::run::error_controlled::in_the_plane(scene, of, tolerance);
     }
     let Stepping::Equal(method) = scene.stepping else {
         return Err(AssemblyError::Bodies);
@@ -181,6 +189,13 @@ impl Recorder for BodyRecorder<'_> {
             ..Moment::default()
         };
         samples.push(scene, time, &moment, scales);
+    }
+
+    fn check(&self, state: &State<Vec<f64>>) -> Result<(), StepFailure> {
+        let inside = self.system.attraction().and_then(|attraction| attraction.inside(&state.q));
+        let Some((pair, [distance, radii])) = inside else { return Ok(()) };
+        let [first, second] = pair.map(|number| self.scene.attracting(number).to_owned());
+        Err(StepFailure::Inside { first, second, distance, radii })
     }
 
     fn feel(&mut self, multipliers: &[f64], broken: Option<BrokenRod>) {

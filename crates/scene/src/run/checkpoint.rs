@@ -27,7 +27,7 @@ use crate::assemble::error::AssemblyError;
 use crate::model::contact_side::ContactSide;
 use crate::model::scene::{Scene, numbers_of_a_body};
 use crate::run::contact_impulses::{ContactImpulse, ContactRows};
-use crate::run::samples::{BrokenRod, Impacts, LastingContact, Samples, Unsettled};
+use crate::run::samples::{BrokenRod, ChosenSteps, Impacts, LastingContact, Samples, Unsettled};
 use crate::text::file_error::WriteError;
 use crate::text::limits;
 
@@ -287,8 +287,8 @@ impl Samples {
     fn put(&self, out: &mut Writer<impl Write>) -> io::Result<()> {
         let Samples { times, positions, velocities, bodies, .. } = self;
         let Samples { kinetic, potential, linear, angular, .. } = self;
-        let Samples { temperatures, heat, impacts, unsettled, lasting, works, contacts, .. } = self;
-        let Samples { observed, columns, linear_scale, angular_scale, .. } = self;
+        let Samples { temperatures, heat, impacts, unsettled, lasting, chosen, .. } = self;
+        let Samples { works, contacts, observed, columns, linear_scale, angular_scale, .. } = self;
         for numbers in [times, positions, velocities, bodies] {
             out.numbers(numbers)?;
         }
@@ -304,6 +304,8 @@ impl Samples {
         out.number(unsettled.residual)?;
         out.count(lasting.steps)?;
         out.number(lasting.time)?;
+        out.count(chosen.accepted)?;
+        out.count(chosen.rejected)?;
         out.numbers(works)?;
         out.count(contacts.rows.len() as u64)?;
         contacts.rows.iter().try_for_each(|row| row.put(out))?;
@@ -328,6 +330,7 @@ impl Samples {
         let impacts = impacts.collect::<Option<Vec<_>>>()?;
         let unsettled = Unsettled { steps: from.count()?, residual: from.number()? };
         let lasting = LastingContact { steps: from.count()?, time: from.number()? };
+        let chosen = ChosenSteps { accepted: from.count()?, rejected: from.count()? };
         let works = from.numbers()?;
         let contacts = (0..from.length(ContactImpulse::BYTES)?).map(|_| ContactImpulse::take(from));
         let rows = contacts.collect::<Option<Vec<_>>>()?;
@@ -351,6 +354,7 @@ impl Samples {
             impacts,
             unsettled,
             lasting,
+            chosen,
             works,
             contacts: ContactRows { rows, end },
             observed,

@@ -72,7 +72,8 @@ impl Engine<'_> {
                 cost.differentials = prepared.differentials.into();
                 cost.hessians = prepared.hessians.into();
                 cost.energies = prepared.energies.into();
-                if let Err(source) = self.sample(0.0, &mut samples) {
+                let checked = self.recorder.check(&self.state);
+                if let Err(source) = checked.and(self.sample(0.0, &mut samples)) {
                     let failed = Failed { step: 0, time: time(0), source };
                     return Err(failed.stops(self.run(samples, cost), None));
                 }
@@ -99,6 +100,7 @@ impl Engine<'_> {
                     samples.impacts.extend(stepped.impacts.filter(|_| room));
                     samples.lasting.steps += u64::from(stepped.lasting > 0.0);
                     samples.lasting.time += stepped.lasting;
+                    samples.chosen.add(stepped.chosen);
                     if let Some(residual) = stepped.unsettled {
                         samples.unsettled.add(residual);
                     }
@@ -111,7 +113,9 @@ impl Engine<'_> {
                 }
                 Err(source) => {
                     let from = time(step - 1);
-                    if samples.times.last().is_some_and(|&last| last < from) {
+                    // A state that was stepped to and is none is not shown.
+                    let is_one = self.recorder.check(&self.state).is_ok();
+                    if is_one && samples.times.last().is_some_and(|&last| last < from) {
                         self.recorder.sample(&self.state, from, &mut samples);
                     }
                     let failed = Failed { step, time: from, source };
@@ -157,6 +161,7 @@ impl Engine<'_> {
     /// Moves by a step of length `h` to the time `to`, or stays as it is.
     fn step(&mut self, h: f64, to: f64) -> Result<Stepped, StepFailure> {
         let stepped = self.stepper.step(&mut self.state, h, to)?;
+        self.recorder.check(&self.state)?;
         if self.clock == Clock::OfTheScene {
             self.state.t = to;
         }

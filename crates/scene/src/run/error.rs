@@ -111,6 +111,21 @@ pub enum StepFailure {
     #[cfg(feature = "laplacian")]
     #[error(transparent)]
     Laplacian(#[from] LaplacianError),
+    /// Balls that attract as points do only outside of each other.
+    #[error(
+        "`{first}` and `{second}` are {distance:.3e} apart, within the {radii:.3e} of their radii: a ball attracts as \
+         a point only what is outside of it; add `[contact]`, so that they touch, or take a smaller step"
+    )]
+    Inside {
+        /// The name of one.
+        first: String,
+        /// That of the other.
+        second: String,
+        /// The distance of their centres.
+        distance: f64,
+        /// The sum of their radii.
+        radii: f64,
+    },
     /// What is sampled exceeds the range of a double, though the state does not.
     #[error(
         "{quantity} is not finite (got {value}); where the motion grows without bound take a smaller \

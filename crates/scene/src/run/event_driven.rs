@@ -52,7 +52,7 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
     let bodies =
         EventDriven::new(system, detector, order, scene.timing.step() / f64::from(CONTACT_STEPS))?;
     let bodies = bodies.with_law(touching::law(scene));
-    let pins = scene.round_pins().collect();
+    let pins = touching::RoundPins::of(scene);
     Ok(Box::new(Flying { bodies, colliders, pins, works: [0.0; 3] }))
 }
 
@@ -60,8 +60,7 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
 struct Flying<G: Flies, P> {
     bodies: EventDriven<G, P>,
     colliders: Colliders,
-    /// The pins that have a size, by their places in the scene.
-    pins: Vec<usize>,
+    pins: touching::RoundPins,
     /// Those of friction, impacts and lifting, as [`Scene::works_of`] names them.
     works: [f64; 3],
 }
@@ -98,7 +97,7 @@ impl<G: Flies, P: Potential> Stepper for Flying<G, P> {
     }
 
     fn pushes(&self, _: f64, see: &mut dyn FnMut(Push)) {
-        let of = (self.colliders, &self.pins[..]);
+        let of = (self.colliders, &self.pins);
         for (time, touch) in self.bodies.pushes() {
             see(touching::push(of, touch, *time));
         }

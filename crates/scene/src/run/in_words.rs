@@ -262,7 +262,7 @@ impl Scene {
     fn collider(&self, number: usize) -> Option<String> {
         let contact = self.contact.as_ref()?;
         let colliders = |body: &crate::RigidBody| match &body.shape {
-            crate::BodyShape::Moments => 0,
+            crate::BodyShape::Moments => usize::from(body.point_mass),
             crate::BodyShape::Parts(parts) => parts.len(),
             _ => 1,
         };
@@ -270,13 +270,15 @@ impl Scene {
             .bodies
             .iter()
             .flat_map(|body| std::iter::repeat_n(format!("`{}`", body.name), colliders(body)));
+        // Obstacles are bodies to who detects.
+        let pins = self.obstacles().map(|pin| format!("`{}`", self.particles[pin].name));
         let called = |kind: &str, name: &Option<String>, number: usize| match name {
             Some(name) => format!("`{name}`"),
             None => format!("{kind} {}", number + 1),
         };
         let walls = contact.walls.iter().enumerate().map(|(k, w)| called("wall", &w.name, k));
         let balls = contact.balls.iter().enumerate().map(|(k, b)| called("ball", &b.name, k));
-        names.chain(walls).chain(balls).nth(number)
+        names.chain(pins).chain(walls).chain(balls).nth(number)
     }
 }
 

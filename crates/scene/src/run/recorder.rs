@@ -10,6 +10,11 @@ pub(crate) trait Recorder {
     /// Adds a sample of the state at a time.
     fn sample(&mut self, state: &State<Vec<f64>>, time: f64, samples: &mut Samples);
 
+    /// An error where a state is one of which the scene knows no forces.
+    fn check(&self, _state: &State<Vec<f64>>) -> Result<(), StepFailure> {
+        Ok(())
+    }
+
     /// Takes what rods felt in a step: their multipliers, and the one that broke.
     fn feel(&mut self, _multipliers: &[f64], _broken: Option<BrokenRod>) {}
 

@@ -43,7 +43,7 @@ pub struct Impacts {
 pub struct Unsettled {
     /// How many there were.
     pub steps: u64,
-    /// The largest velocity by which the conditions were missed.
+    /// The largest velocity by which the conditions were missed; zero where the method does not tell.
     pub residual: f64,
 }
 
@@ -61,6 +61,22 @@ pub struct LastingContact {
     pub steps: u64,
     /// For how long it lasted in all.
     pub time: f64,
+}
+
+/// Steps whose length contact chose by their error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ChosenSteps {
+    /// Steps that were taken.
+    pub accepted: u64,
+    /// Steps that were tried and were off by too much.
+    pub rejected: u64,
+}
+
+impl ChosenSteps {
+    pub(crate) fn add(&mut self, other: ChosenSteps) {
+        self.accepted += other.accepted;
+        self.rejected += other.rejected;
+    }
 }
 
 /// Samples in the order of time.
@@ -84,6 +100,7 @@ pub(crate) struct Samples {
     pub(crate) impacts: Vec<Impacts>,
     pub(crate) unsettled: Unsettled,
     pub(crate) lasting: LastingContact,
+    pub(crate) chosen: ChosenSteps,
     /// The works so far of what acts on the scene, and last that of motors with a speed.
     pub(crate) works: Vec<f64>,
     /// Rows of contact impulses, in the order of the samples.
@@ -249,9 +266,14 @@ impl Run {
         self.samples.lasting
     }
 
+    /// Steps of `error-controlled`, none of other methods.
+    pub fn chosen_steps(&self) -> ChosenSteps {
+        self.samples.chosen
+    }
+
     /// What things that touch gave each other from one sample to the next, in the order of the
     /// samples; at most [`limits::CONTACT_ROWS`](crate::limits::CONTACT_ROWS) rows, whole intervals
-    /// from the start. None of what touches by springs.
+    /// from the start. None of what touches by springs, nor of `error-controlled`.
     pub fn contact_impulses(&self) -> &[ContactImpulse] {
         &self.samples.contacts.rows
     }

@@ -7,7 +7,7 @@ use crate::model::built::Built;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
-use crate::run::samples::{BrokenRod, Impacts};
+use crate::run::samples::{BrokenRod, ChosenSteps, Impacts};
 
 /// A scene's method, bound to its system.
 pub(crate) trait Stepper {
@@ -96,11 +96,20 @@ pub(crate) struct Stepped {
     pub(crate) unsettled: Option<f64>,
     /// For how long contact lasted, of a method that steps it otherwise than flight.
     pub(crate) lasting: f64,
+    /// The steps that contact chose by their error.
+    pub(crate) chosen: ChosenSteps,
 }
 
 impl Stepped {
     pub(crate) fn done(report: StepReport) -> Self {
-        Stepped { report, broken: None, impacts: None, unsettled: None, lasting: 0.0 }
+        Stepped {
+            report,
+            broken: None,
+            impacts: None,
+            unsettled: None,
+            lasting: 0.0,
+            chosen: ChosenSteps::default(),
+        }
     }
 
     /// A step in which the law of impact was applied so often, the last time at this one. To apply

@@ -20,6 +20,7 @@ use crate::assemble::acting::{Acting, Impulses};
 use crate::assemble::body_system::{InSpace, InThePlane};
 use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
+use crate::assemble::obstacles::Obstacles;
 use crate::model::built::Built;
 use crate::model::contact_side::ContactSide;
 use crate::model::scene::Scene;
@@ -34,6 +35,22 @@ type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Steps of bodies in space.
 pub(crate) fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
+    match scene.with_obstacles() {
+        Some(with) => spatial(scene, &with, &with.in_space()?),
+        None => spatial(scene, scene, of),
+    }
+}
+
+/// Steps of bodies in the plane.
+pub(crate) fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+    match scene.with_obstacles() {
+        Some(with) => planar(scene, &with, &with.in_the_plane()?),
+        None => planar(scene, scene, of),
+    }
+}
+
+/// A scene's steps, made of the scene with its obstacles.
+fn spatial<'a>(own: &Scene, scene: &Scene, of: &InSpace) -> Made<'a> {
     let (detector, colliders) = detecting_in_space(scene, of)?;
     if scene.has_joints() {
         // A start that moves against its joints is refused as without contact.
@@ -41,17 +58,16 @@ pub(crate) fn in_space<'a>(scene: &Scene, of: &'a InSpace) -> Made<'a> {
         joints::in_space(method, &of.system, &of.joints, (&of.initial, None))?;
     }
     let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
-    Ok(Touching::over(scene, world, colliders, JointSet::in_space(scene, of)?))
+    Touching::over((own, scene), world, colliders, JointSet::in_space(scene, of)?)
 }
 
-/// Steps of bodies in the plane.
-pub(crate) fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
+fn planar<'a>(own: &Scene, scene: &Scene, of: &InThePlane) -> Made<'a> {
     let (detector, colliders) = detecting_in_the_plane(scene, of)?;
     if scene.has_joints() {
         joints::in_the_plane(&of.system, &of.joints, (&of.initial, None))?;
     }
     let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
-    Ok(Touching::over(scene, world, colliders, JointSet::in_the_plane(scene, of)?))
+    Touching::over((own, scene), world, colliders, JointSet::in_the_plane(scene, of)?)
 }
 
 /// What detects the contacts of bodies in space, which are free at the start.
@@ -103,8 +119,8 @@ struct Touching<G: Dimension, P> {
     rubs: bool,
     holds: bool,
     colliders: Colliders,
-    /// The pins that have a size, by their places in the scene.
-    pins: Vec<usize>,
+    pins: RoundPins,
+    obstacles: Obstacles,
     acting: Option<Acting>,
     given: Impulses,
     /// What acts, then friction, impacts, lifting and joints, as [`Scene::works_of`] names them.
@@ -113,30 +129,59 @@ struct Touching<G: Dimension, P> {
 
 impl<'a, G: Dimension, P: Potential + 'a> Touching<G, P> {
     fn over(
-        scene: &Scene,
+        (scene, with): (&Scene, &Scene),
         world: World<G, P>,
         colliders: Colliders,
         joints: JointSet,
-    ) -> Box<dyn Stepper + 'a> {
-        Box::new(Touching {
-            world,
+    ) -> Made<'a> {
+        let obstacles = (scene.bodies.len()..with.bodies.len()).collect();
+        Ok(Box::new(Touching {
+            world: world.with_obstacles(obstacles)?,
             joints,
             forces: Vec::new(),
             touches: scene.touches_as_bodies(),
             rubs: scene.joints.iter().any(|joint| joint.friction > 0.0),
             holds: scene.has_joints(),
             colliders,
-            pins: scene.round_pins().collect(),
+            pins: RoundPins::of(scene),
+            obstacles: Obstacles::of(scene),
             acting: Acting::of(scene),
             given: Impulses::default(),
             works: Vec::new(),
-        })
+        }))
     }
 }
 
-/// The impulse of a contact on its second side.
+/// The pins that have a size, by their places in the scene: those that stay, and those that move, which come after
+/// so many bodies.
+pub(crate) struct RoundPins {
+    stay: Vec<usize>,
+    bodies: usize,
+    moving: Vec<usize>,
+}
+
+impl RoundPins {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let moving: Vec<usize> = scene.obstacles().collect();
+        let stay = scene.round_pins().filter(|pin| !moving.contains(pin)).collect();
+        RoundPins { stay, bodies: scene.bodies.len(), moving }
+    }
+
+    /// A side of the detector's as the scene has it.
+    fn named(&self, side: ContactSide) -> ContactSide {
+        match side {
+            ContactSide::Pin(pin) => ContactSide::Pin(self.stay[pin]),
+            ContactSide::Body(body) if body >= self.bodies => {
+                ContactSide::Pin(self.moving[body - self.bodies])
+            }
+            other => other,
+        }
+    }
+}
+
+/// The impulse of a contact on its second side: what nothing moves stands first.
 pub(crate) fn push<G: Dimension>(
-    (colliders, pins): (Colliders, &[usize]),
+    (colliders, pins): (Colliders, &RoundPins),
     touch: &Touch<G>,
     time: f64,
 ) -> Push {
@@ -148,15 +193,17 @@ pub(crate) fn push<G: Dimension>(
     };
     let whole = contact.normal * (touch.impact + touch.normal) + touch.friction;
     let [a, b] = contact.points;
+    let side = |k: usize| colliders.side(contact.bodies[k], contact.id.colliders[k]);
+    let between = [0, 1].map(|k| pins.named(side(k)));
+    let turned = between[0].moves() && !between[1].moves();
+    let [first, second] = between;
+    let sign = if turned { -1.0 } else { 1.0 };
     Push {
-        between: [0, 1].map(|k| match colliders.side(contact.bodies[k], contact.id.colliders[k]) {
-            ContactSide::Pin(pin) => ContactSide::Pin(pins[pin]),
-            other => other,
-        }),
+        between: if turned { [second, first] } else { between },
         time,
         point: in_space(&((a + b) * 0.5)),
-        normal: in_space(&contact.normal),
-        impulse: in_space(&whole),
+        normal: in_space(&(contact.normal * sign)),
+        impulse: in_space(&(whole * sign)),
     }
 }
 
@@ -191,13 +238,21 @@ impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
             acting.give(over, &state.q, state.p.components(), &mut self.given);
         }
         let forces = Over { impulses: &self.given, h };
-        let met = self.world.step_under(state, h, &self.joints, &forces)?;
+        let met = if self.obstacles.is_empty() {
+            self.world.step_under(state, h, &self.joints, &forces)?
+        } else {
+            let with = self.obstacles.with(state, h);
+            let met = self.world.step_under(with, h, &self.joints, &forces)?;
+            self.obstacles.without(state);
+            met
+        };
         self.works.clear();
         let [before, after] = self.world.velocities();
         self.works.extend(self.given.works(|freedom| 0.5 * (before.0[freedom] + after.0[freedom])));
         if self.touches {
             self.works.extend([-met.friction_energy, -met.impact_energy]);
         }
+        self.works.extend((!self.obstacles.is_empty()).then_some(met.work));
         self.works.push(met.lifting_energy);
         self.works.extend(self.rubs.then_some(-met.joint_friction_energy));
         let of_joints = met.joint_friction_energy - met.joint_energy;
@@ -231,7 +286,7 @@ impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
     }
 
     fn pushes(&self, time: f64, see: &mut dyn FnMut(Push)) {
-        let of = (self.colliders, &self.pins[..]);
+        let of = (self.colliders, &self.pins);
         self.world.touches().for_each(|touch| see(push(of, &touch, time)));
     }
 

@@ -11,7 +11,7 @@ use crate::model::observable::Observable;
 use crate::model::particle::Motion;
 use crate::model::stepping::CONTACT_STEPS;
 use crate::run::claims::Verdict;
-use crate::run::samples::{LastingContact, Run};
+use crate::run::samples::{ChosenSteps, LastingContact, Run};
 use crate::text::limits;
 
 /// The tables of a run.
@@ -37,6 +37,8 @@ pub struct Summary {
     pub unsettled: Option<String>,
     /// Steps in which contact lasted where that is stepped otherwise than flight, if there are any.
     pub lasting: Option<String>,
+    /// Steps that were chosen by their error, where there are any.
+    pub chosen: Option<String>,
     /// What the files of the run leave out, where they leave out anything.
     pub left_out: Option<String>,
 }
@@ -71,6 +73,7 @@ impl Summary {
                 .count(),
             unsettled: (run.unsettled().steps > 0).then(|| unsettled(run)),
             lasting: (run.lasting_contact().steps > 0).then(|| lasting(run)),
+            chosen: (run.chosen_steps().accepted > 0).then(|| chosen(run)),
             left_out: run.contact_impulses_end().map(|end| {
                 format!(
                     "contacts.csv ends at t = {end} {unit}: it has at most {} rows; sample less often\n",
@@ -99,6 +102,9 @@ fn budget(run: &Run) -> Option<Table> {
         table.push([name.into(), above_rounding(work, scale)]);
     }
     let rest = match scene.contact() {
+        Some(_) if scene.chooses_contact_steps() => {
+            "friction that lasts, and the error of the steps".to_owned()
+        }
         _ if scene.has_inequalities() => "defect of the steps, of order 1".to_owned(),
         Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
         None => format!("defect of {}", scene.stepping()),
@@ -191,12 +197,19 @@ fn claims(run: &Run) -> Option<Table> {
 
 fn unsettled(run: &Run) -> String {
     let (found, units) = (run.unsettled(), run.scene().units());
+    let missed = match found.residual {
+        0.0 => String::new(),
+        residual => format!(", by at most {residual:.0e} {}", units.velocity()),
+    };
+    format!("contact: {} of {} steps are not settled{missed}\n", found.steps, run.cost().steps)
+}
+
+/// Rounding decides where a step is long enough: the counts have one digit.
+fn chosen(run: &Run) -> String {
+    let ChosenSteps { accepted, rejected } = run.chosen_steps();
     format!(
-        "contact: {} of {} steps are not settled, by at most {:.0e} {}\n",
-        found.steps,
-        run.cost().steps,
-        found.residual,
-        units.velocity()
+        "contact: about {:.0e} steps chosen by their error, {:.0e} rejected\n",
+        accepted as f64, rejected as f64
     )
 }
 
@@ -446,7 +459,7 @@ fn norm(x: [f64; 3]) -> f64 {
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n\n{}\n{}", self.title, self.cost, self.invariants)?;
-        let notes = [&self.unsettled, &self.lasting, &self.left_out];
+        let notes = [&self.unsettled, &self.lasting, &self.chosen, &self.left_out];
         write!(f, "{}", self.observables)?;
         if let Some(budget) = &self.budget {
             write!(f, "\n{budget}")?;

@@ -274,7 +274,9 @@ pub enum Fault {
     #[error("this shape has no side `{0}`")]
     NoSuchSide(String),
     /// Heat alone.
-    #[error("heat cannot be combined with anything else in a scene")]
+    #[error(
+        "heat cannot be combined with what moves: nothing here couples temperature and motion; make two scenes"
+    )]
     MixedWithHeat,
     /// A warm place beside the shape.
     #[error("no vertex of the shape is within this radius")]
@@ -401,17 +403,12 @@ pub enum Fault {
     /// Both ends of a spring or a rod are on one body.
     #[error("`{0}` and `{1}` are points of one body, whose distance nothing changes")]
     SameBody(String, String),
-    /// A point that touches bodies has a size.
+    /// The attraction of most bodies is not that of points.
     #[error(
-        "`{0}` is a point; beside bodies or rods only what has a size touches: give it a `radius`"
+        "`{0}` does not attract as a point: `newtonian_gravity` is between particles and, in space, balls; the \
+         attraction of other bodies, such as a disc in the plane, depends on how their mass is distributed"
     )]
-    NoRadius(String),
-    /// The attraction of bodies is not that of points.
-    #[error(
-        "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \
-         how its mass is distributed"
-    )]
-    BodyAttraction,
+    BodyAttraction(String),
     /// A method that does not hold joints.
     #[error("{0} does not hold joints")]
     MethodOfJoints(String),

@@ -13,7 +13,7 @@ use crate::words::word::CONTACT;
 impl Scene {
     /// An error where the scene's method cannot step its bodies.
     pub(crate) fn check_bodies(&self) -> Result<(), Fault> {
-        if let (Stepping::EventDriven(_), false) = (self.stepping, self.touches_as_bodies()) {
+        if self.steps_contact_alone() && !self.touches_as_bodies() {
             let what = "bodies that never meet";
             let instead = match self.dimension {
                 3 => "add `[contact]`, or name `variational-rotation`",
@@ -52,6 +52,11 @@ impl Scene {
         }
     }
 
+    /// Whether its method is one of bodies that touch, and of nothing else.
+    fn steps_contact_alone(&self) -> bool {
+        matches!(self.stepping, Stepping::EventDriven(_) | Stepping::ErrorControlled { .. })
+    }
+
     /// Whether its method moves the coordinates of joints, not those of bodies.
     pub(crate) fn moves_joints(&self) -> bool {
         match self.stepping {
@@ -61,16 +66,18 @@ impl Scene {
         }
     }
 
-    /// An error where no coordinates of joints are left to follow motors.
+    /// An error where no coordinates of joints are left to follow motors, or a pin moves a rod.
     fn check_joint_coordinates(&self) -> Result<(), Fault> {
         let method = self.stepping.name();
-        match self.driven_closing_joint() {
-            Some(_) => {
-                let what = "motors with a speed at all joints of a loop";
-                let instead = "leave the speed of one out: it follows from the others";
-                Err(Fault::MethodCannot { method, what, instead })
-            }
-            None => Ok(()),
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        if self.driven_closing_joint().is_some() {
+            let instead = "leave the speed of one out: it follows from the others";
+            return refused("motors with a speed at all joints of a loop", instead);
+        }
+        match (self.moves_rods(), self.dimension) {
+            (false, _) => Ok(()),
+            (true, 3) => refused("rods to pins that move", "name `variational-rotation`"),
+            _ => refused("rods to pins that move", "name `stormer-verlet`"),
         }
     }
 
@@ -81,10 +88,11 @@ impl Scene {
         let bounds = "limits and friction of joints, or rods that break beside bodies";
         let what = if touches { "what touches" } else { bounds };
         let refused = |instead| Err(Fault::MethodCannot { method, what, instead });
-        let only_moments = |body: &&RigidBody| touches && body.shape == BodyShape::Moments;
+        let only_moments =
+            |body: &&RigidBody| touches && body.shape == BodyShape::Moments && !body.point_mass;
         let untouchable = self.bodies.iter().find(only_moments);
-        if let (Stepping::EventDriven(_), None) = (self.stepping, untouchable) {
-            return self.check_flights();
+        if self.steps_contact_alone() && untouchable.is_none() {
+            return self.check_contact_alone();
         }
         match (self.stepping, self.dimension, untouchable) {
             (_, _, Some(body)) => Err(Fault::Bodies(BodyFault::Untouchable(body.name.clone()))),
@@ -95,8 +103,8 @@ impl Scene {
         }
     }
 
-    /// An error where something acts on the scene's bodies for which flight between impacts has no place.
-    fn check_flights(&self) -> Result<(), Fault> {
+    /// An error where something acts on the scene's bodies for which such a method has no place.
+    fn check_contact_alone(&self) -> Result<(), Fault> {
         let what = match self.is_driven() {
             _ if self.has_joints() => "joints or rods",
             true => "loads, motors, drag, dampers, a frame that turns or changing gravity",

@@ -109,10 +109,8 @@ pub(crate) use compiled::*;
 #[cfg(feature = "contact")]
 mod compiled {
     use super::*;
-    use crate::model::body_shape::BodyShape;
     use crate::model::contact_side::ContactSide;
     use crate::model::items::{SceneBall, SceneContact, ScenePair, SceneWall};
-    use crate::model::particle::{Motion, Particle};
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
     use crate::text::fault::Fault;
@@ -136,19 +134,6 @@ mod compiled {
             ..
         } = contact;
         let stiffness = stiffness(draft, contact)?;
-        if let Some(body) = draft
-            .bodies
-            .iter()
-            .position(|d| d.body.point_mass && d.body.shape == BodyShape::Moments)
-        {
-            let of =
-                |p: &Particle| matches!(p.motion, Motion::Carried { body: own, .. } if own == body);
-            let index = draft.particles.particles.iter().position(of);
-            if let Some(index) = index {
-                let name = draft.particles.particles[index].name.clone();
-                return Err(at(draft.particles.places[index].clone(), Fault::NoRadius(name)));
-            }
-        }
         let restitution = share(restitution.as_ref())?.unwrap_or(0.0);
         let friction = match friction {
             Some(given) if !of_bodies => {

@@ -1,10 +1,12 @@
 //! The word `gravity`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use toml::Spanned;
 
+use crate::model::body_shape::BodyShape;
+use crate::model::items::RigidBody;
 use crate::model::particle::Motion;
 use crate::text::check;
 use crate::text::diagnostic::{Checked, at};
@@ -25,7 +27,7 @@ table! {
         strength: Option<Spanned<StrengthDeclaration>> = Kind::Strength,
     }
 
-    /// Attraction between every two particles; a pinned one that has a mass attracts, and stays.
+    /// Attraction between every two particles and balls in space; a pinned one that has a mass attracts, and stays.
     pub(crate) struct NewtonianGravityDeclaration = "a table with a constant" {
         /// The constant G.
         constant: Spanned<Number> = Kind::Positive,
@@ -62,14 +64,25 @@ impl Word for Option<NewtonianGravityDeclaration> {
         let Some(newtonian) = self else { return Ok(()) };
         draft.gravity.constant = Some(check::positive("the constant", &newtonian.constant)?);
         draft.gravity.fixed = draft.particles.pinned_masses.clone();
+        let is_point = |body: &RigidBody| {
+            let is_ball = matches!(body.shape, BodyShape::Ball(_)) && draft.dimension == 3;
+            body.point_mass || is_ball
+        };
+        if let Some(other) = draft.bodies.iter().find(|declared| !is_point(&declared.body)) {
+            let fault = Fault::BodyAttraction(other.body.name.clone());
+            return Err(at(newtonian.constant.span(), fault));
+        }
         check_that_no_two_meet(&draft.particles)
     }
 }
 
 fn check_that_no_two_meet(table: &ParticleTable) -> Checked<()> {
-    let attracts = |index: usize| {
-        table.particles[index].motion != Motion::Pinned
-            || table.pinned_masses.iter().any(|&(pin, _)| pin == index)
+    let mut bodies = HashSet::new();
+    let mut attracts = |index: usize| match table.particles[index].motion {
+        Motion::Pinned => table.pinned_masses.iter().any(|&(pin, _)| pin == index),
+        // Its centre comes before its points.
+        Motion::Carried { body, .. } => bodies.insert(body),
+        Motion::Free { .. } => true,
     };
     let mut by_position = HashMap::new();
     for (index, particle) in table.particles.iter().enumerate().filter(|(k, _)| attracts(*k)) {

@@ -6,6 +6,7 @@
 //! rattle, constrained-hamilton       equal steps that hold rods by their forces
 //! joint-coordinates    equal steps of bodies, of numbers that are free
 //! event-driven-2, event-driven-4     bodies that touch: flight, impacts at their instant
+//! error-controlled    bodies that touch: steps chosen to a tolerance, read off at every moment i h
 //! linear-modes    no steps: a sum of modes in closed form, read off at every moment i h
 //! ```
 //! `h` the scene's step.
@@ -18,7 +19,7 @@ use crate::model::stepping::{
     ADAPTIVE, Adaptive, CONSTRAINED, Constrained, LINEAR_MODES, Stepping,
 };
 #[cfg(feature = "rigid")]
-use crate::model::stepping::{EVENT_DRIVEN, FlightSteps, JOINT_COORDINATES};
+use crate::model::stepping::{ERROR_CONTROLLED, EVENT_DRIVEN, FlightSteps, JOINT_COORDINATES};
 use crate::text::diagnostic::{Checked, at};
 use crate::text::fault::Fault;
 use crate::text::{check, limits};
@@ -47,6 +48,20 @@ enum Word {
     JointCoordinates,
     #[cfg(feature = "rigid")]
     EventDriven(FlightSteps),
+    #[cfg(feature = "rigid")]
+    ErrorControlled,
+}
+
+impl Word {
+    /// Whether its steps are chosen to a tolerance.
+    fn takes_a_tolerance(self) -> bool {
+        match self {
+            Word::Adaptive(_) => true,
+            #[cfg(feature = "rigid")]
+            Word::ErrorControlled => true,
+            _ => false,
+        }
+    }
 }
 
 /// The words that a scene of this kind may say.
@@ -58,9 +73,10 @@ fn words(declared: &Declaration, dimension: usize) -> Vec<(&'static str, Word)> 
     }
     let adaptive = ADAPTIVE.map(|(name, method)| (name, Word::Adaptive(method)));
     #[cfg(feature = "rigid")]
-    let of_bodies = [(JOINT_COORDINATES, Word::JointCoordinates)]
-        .into_iter()
-        .chain(EVENT_DRIVEN.map(|(name, flights)| (name, Word::EventDriven(flights))));
+    let of_bodies =
+        [(JOINT_COORDINATES, Word::JointCoordinates), (ERROR_CONTROLLED, Word::ErrorControlled)]
+            .into_iter()
+            .chain(EVENT_DRIVEN.map(|(name, flights)| (name, Word::EventDriven(flights))));
     #[cfg(feature = "rigid")]
     if declared.is_of_bodies(dimension) && dimension == 3 {
         let word = |&method: &BodyMethod| (method.facts().name, Word::Bodies(method));
@@ -86,18 +102,23 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
     if let (Some(modes), false) = (&declared.modes, matches!(word, Word::LinearModes)) {
         return Err(at(modes.span(), Fault::Modes));
     }
-    Ok(match (word, &declared.tolerance) {
-        (Word::Adaptive(method), Some(tolerance)) => {
+    let tolerance = match (&declared.tolerance, word.takes_a_tolerance()) {
+        (Some(tolerance), true) => {
             let value = tolerance_in_range(tolerance.get_ref().0);
-            let tolerance = value.map_err(|fault| at(tolerance.span(), fault))?;
-            Stepping::Adaptive { method, tolerance }
+            value.map_err(|fault| at(tolerance.span(), fault))?
         }
-        (Word::Adaptive(_), None) => return Err(at(integrator.span(), Fault::NoTolerance)),
-        (_, Some(tolerance)) => return Err(at(tolerance.span(), Fault::EqualSteps)),
-        (Word::Equal(method), None) => Stepping::Equal(method),
+        (None, true) => return Err(at(integrator.span(), Fault::NoTolerance)),
+        (Some(tolerance), false) => return Err(at(tolerance.span(), Fault::EqualSteps)),
+        (None, false) => 0.0,
+    };
+    Ok(match word {
+        Word::Adaptive(method) => Stepping::Adaptive { method, tolerance },
+        #[cfg(feature = "rigid")]
+        Word::ErrorControlled => Stepping::ErrorControlled { tolerance },
+        Word::Equal(method) => Stepping::Equal(method),
         #[cfg(feature = "laplacian")]
-        (Word::Heat(method), None) => Stepping::Heat(method),
-        (Word::LinearModes, None) => match &declared.modes {
+        Word::Heat(method) => Stepping::Heat(method),
+        Word::LinearModes => match &declared.modes {
             Some(modes) => {
                 let count = modes_in_range(modes.get_ref().0);
                 let count = count.map_err(|fault| at(modes.span(), fault))?;
@@ -105,13 +126,13 @@ pub(crate) fn declare(declared: &Declaration, dimension: usize) -> Checked<Stepp
             }
             None => return Err(at(integrator.span(), Fault::NoModes)),
         },
-        (Word::Constrained(method), None) => Stepping::Constrained(method),
+        Word::Constrained(method) => Stepping::Constrained(method),
         #[cfg(feature = "rigid")]
-        (Word::Bodies(method), None) => Stepping::Bodies(method),
+        Word::Bodies(method) => Stepping::Bodies(method),
         #[cfg(feature = "rigid")]
-        (Word::JointCoordinates, None) => Stepping::JointCoordinates,
+        Word::JointCoordinates => Stepping::JointCoordinates,
         #[cfg(feature = "rigid")]
-        (Word::EventDriven(flights), None) => Stepping::EventDriven(flights),
+        Word::EventDriven(flights) => Stepping::EventDriven(flights),
     })
 }
 
@@ -191,10 +212,11 @@ impl Scene {
             // Whoever has one of the others has its crate.
             _ => {}
         }
-        match self.stepping {
-            Stepping::Adaptive { tolerance, .. } => tolerance_in_range(tolerance).map(drop)?,
-            Stepping::LinearModes { count } => modes_in_range(count as u64).map(drop)?,
-            _ => {}
+        if let Some(tolerance) = self.stepping.tolerance() {
+            tolerance_in_range(tolerance)?;
+        }
+        if let Stepping::LinearModes { count } = self.stepping {
+            modes_in_range(count as u64)?;
         }
         self.check_kind()
     }
@@ -274,9 +296,10 @@ impl Scene {
                 refused("so many freedoms with full matrices", "name an explicit method")
             }
             #[cfg(feature = "rigid")]
-            Stepping::Bodies(_) | Stepping::JointCoordinates | Stepping::EventDriven(_) => {
-                Err(Fault::MethodOfAnother(method.to_owned()))
-            }
+            Stepping::Bodies(_)
+            | Stepping::JointCoordinates
+            | Stepping::EventDriven(_)
+            | Stepping::ErrorControlled { .. } => Err(Fault::MethodOfAnother(method.to_owned())),
             Stepping::Constrained(Constrained::Rattle) => Ok(()),
             _ if breaking => refused("rods that break", "name `rattle`"),
             _ => Ok(()),

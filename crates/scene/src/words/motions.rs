@@ -56,16 +56,17 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
     if pin.motion != Motion::Pinned {
         return Err(at(place, DriveFault::MotionOfFree(name())));
     }
-    // Beside bodies or contact a rod is a joint, which the world holds.
-    let is_joint = !draft.bodies.is_empty() || draft.contact.is_some();
-    let held = is_joint && draft.rods.iter().any(|rod| rod.ends.contains(&particle));
     let of_solid = draft
         .solids
         .bodies
         .iter()
         .any(|solid| (solid.first..solid.first + solid.rest.len()).contains(&particle));
-    if held || of_solid || pin.radius > 0.0 {
+    if of_solid {
         return Err(at(place, DriveFault::MotionOfHeld(name())));
+    }
+    // Without contact a radius touches nothing, and beside bodies the pin is an obstacle.
+    if pin.radius > 0.0 && draft.contact.is_some() && draft.bodies.is_empty() {
+        return Err(at(place, DriveFault::MotionOfRound(name())));
     }
     if draft.gravity.fixed.iter().any(|&(fixed, _)| fixed == particle) {
         return Err(at(place, DriveFault::MotionOfAttracting(name())));

@@ -4,8 +4,8 @@
 //! M = (m, m, m, I, I, I) with I w = 0 always: nothing gives a particle a torque
 //! ```
 //! A spring, a rod or a load pulls at its centre, and what touches it does so along its radius, for a particle
-//! has no friction: its moments are never asked for. Rods between particles that touch make of all of them
-//! point masses too, since joints and contact are solved together for bodies.
+//! has no friction: its moments are never asked for. Rods between particles that touch, and pins that move and touch,
+//! make of all of them point masses too, since joints, obstacles and contact are solved together for bodies.
 
 use crate::model::body_shape::BodyShape;
 use crate::model::items::RigidBody;
@@ -14,10 +14,10 @@ use crate::words::draft::{DeclaredBody, Draft};
 
 impl Draft<'_> {
     /// Makes of every free particle a body that does not turn, where there are bodies, or rods beside
-    /// contact.
-    pub(crate) fn embody_particles(&mut self, contact: bool) {
-        let jointed = contact && !self.rods.is_empty() && self.dimension > 1;
-        if self.heat.is_some() || (self.bodies.is_empty() && !jointed) {
+    /// contact, or pins that move and touch.
+    pub(crate) fn embody_particles(&mut self, contact: bool, pushed: bool) {
+        let joined = contact && (pushed || !self.rods.is_empty()) && self.dimension > 1;
+        if self.heat.is_some() || (self.bodies.is_empty() && !joined) {
             return;
         }
         for particle in &mut self.particles.particles {

@@ -50,8 +50,8 @@ fn a_body_that_cannot_be_is_refused_where_it_says_so() {
     let on_a_line = body("<<\"bead\">>", "box = [1]\nposition = [0]\n");
     refused(&format!("{line}{on_a_line}"), "a body needs a scene of dimension 2 or 3");
     let gravity = "[newtonian_gravity]\nconstant = <<1>>\n";
-    let message = "`newtonian_gravity` acts between point masses: the attraction of an extended body depends on \
-                   how its mass is distributed";
+    let message = "`crate` does not attract as a point: `newtonian_gravity` is between particles and, in space, balls; the \
+                   attraction of other bodies, such as a disc in the plane, depends on how their mass is distributed";
     refused(&format!("{HEAD}{BOX}{gravity}"), message);
     refused(&format!("{HEAD}{BOX}<<wieght>> = 1\n"), "unknown field `wieght`");
     let head = HEAD.replace("\"axis-rotations\"", "<<\"stormer-verlet\">>");

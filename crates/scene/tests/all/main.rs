@@ -1,6 +1,7 @@
 //! What holds of `stationary-scene`, in one binary: what is generic is compiled once.
 
 mod any_input;
+mod attraction;
 mod bad_scenes;
 mod bodies;
 mod body_diagnostics;
@@ -10,6 +11,7 @@ mod checkpoints;
 mod claims;
 mod diagnostics;
 mod driven;
+mod error_controlled;
 mod event_driven;
 mod failed_runs;
 mod faces_and_walls;

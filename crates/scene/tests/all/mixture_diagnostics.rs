@@ -59,14 +59,10 @@ fn a_particle_beside_bodies_is_asked_for_nothing_that_turns() {
 #[test]
 fn mixtures_that_physics_does_not_have_are_refused_with_the_reason() {
     let gravity = "[newtonian_gravity]\nconstant = <<1>>\n";
-    let message = "`newtonian_gravity` acts between point masses: the attraction of an extended body \
-                   depends on how its mass is distributed";
+    let message = "`crate` does not attract as a point: `newtonian_gravity` is between particles and, in space, balls; the \
+                   attraction of other bodies, such as a disc in the plane, depends on how their mass is distributed";
     refused(&format!("{PLANE}{BOX}{BEAD}{gravity}"), message);
-    let point = BEAD.replace("[5, 0]", "<<[5, 0]>>").replace("radius = 0.1\n", "");
     let contact = "[contact]\nrestitution = 0.5\n";
-    let message =
-        "`bead` is a point; beside bodies or rods only what has a size touches: give it a `radius`";
-    refused(&format!("{PLANE}{BOX}{point}{contact}"), message);
     let solid = "[[solids]]\nname = <<\"beam\">>\nshape = { kind = \"rectangle\", size = [1, 1], \
                  cells = [1, 1] }\nthickness = 1\ndensity = 1\nyoung = 1\npoisson = 0.3\n";
     let message = "elastic and rigid bodies are not coupled yet, and there are rigid bodies already; leave one of them out";

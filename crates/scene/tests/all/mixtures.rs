@@ -171,6 +171,88 @@ fn a_particle_that_hits_a_body_rebounds_as_two_masses_do() {
     }
 }
 
+/// A particle without a radius is a point: it rebounds where it is at the surface of a wall and of a body, and passes
+/// through another point, as it does where there are particles alone.
+#[test]
+fn a_point_enters_nothing_that_has_a_size_and_passes_through_points() {
+    let (m, big, v): (f64, f64, f64) = (0.5, 2.0, 3.0);
+    for dimension in [2, 3] {
+        let text = format!(
+            "{}bodies = [{{ name = \"box\", mass = {big}, box = {}, position = {} }}]\n\
+             particles = [{{ name = \"one\", mass = {m}, position = {}, velocity = {} }},\n\
+             {{ name = \"left\", mass = 1, position = {}, velocity = {} }},\n\
+             {{ name = \"right\", mass = 1, position = {}, velocity = {} }},\n\
+             {{ name = \"low\", mass = 1, position = {}, velocity = {} }}]\n\
+             observables = [{{ velocity = \"one\" }}, {{ velocity = \"box\" }}]\n\
+             contact = {{ restitution = 1, walls = [{{ normal = {}, at = {} }}] }}\n",
+            head(dimension, 1e-3, 0.5),
+            sides(dimension),
+            vector(dimension, 0.0, 0.0),
+            vector(dimension, -0.5, 0.0),
+            vector(dimension, v, 0.0),
+            vector(dimension, 4.0, 1.0),
+            vector(dimension, 1.0, 0.0),
+            vector(dimension, 4.25, 1.0),
+            vector(dimension, -1.0, 0.0),
+            vector(dimension, 8.0, -1.0),
+            vector(dimension, 0.0, -4.0),
+            vector(dimension, 0.0, 1.0),
+            vector(dimension, 0.0, -2.0),
+        );
+        let run = run(&text);
+        let last = run.times().len() - 1;
+        let observed = run.observed(last);
+        assert!((observed[0] - v * (m - big) / (m + big)).abs() < 1e-9, "{observed:?}");
+        assert!((observed[dimension] - 2.0 * m * v / (m + big)).abs() < 1e-9, "{observed:?}");
+        assert!((place(&run, "left", last)[0] - 4.5).abs() < 1e-9);
+        assert!((place(&run, "right", last)[0] - 3.75).abs() < 1e-9);
+        // It turns back at the wall, within two steps.
+        let back = place(&run, "low", last)[1] + 1.0;
+        assert!(back.abs() < 4.0 * 4.0 * 1e-3, "{back}");
+        let lowest = (0..=last).map(|k| place(&run, "low", k)[1]).fold(0.0, f64::min);
+        assert!((-2.0 - 1e-8..-1.99).contains(&lowest), "{lowest}");
+    }
+}
+
+/// A chain of points falls on a floor beside a body and lies on it, as long as it was.
+#[test]
+fn a_chain_of_points_comes_to_lie_on_a_floor() {
+    for dimension in [2, 3] {
+        let bodies = format!(
+            "bodies = [{{ name = \"far\", mass = 1, box = {}, position = {} }}]\n",
+            sides(dimension),
+            vector(dimension, 9.0, 5.0)
+        );
+        for bodies in [bodies.as_str(), ""] {
+            let text = format!(
+                "{}uniform_gravity = {{ acceleration = {} }}\n{bodies}\
+                 particles = [{{ name = \"a\", mass = 0.1, position = {}, radius = 0.05 }},\n\
+                 {{ name = \"b\", mass = 0.1, position = {} }}]\n\
+                 chains = [{{ name = \"chain\", between = [\"a\", \"b\"], links = 5, particle_mass = 0.1 }}]\n\
+                 contact = {{ walls = [{{ normal = {}, at = {} }}] }}\n",
+                head(dimension, 1e-3, 0.5),
+                vector(dimension, 0.0, -10.0),
+                vector(dimension, 0.0, 0.4),
+                vector(dimension, 1.0, 0.5),
+                vector(dimension, 0.0, 1.0),
+                vector(dimension, 0.0, 0.0),
+            );
+            let run = run(&text);
+            let last = run.times().len() - 1;
+            for link in 1..5 {
+                let height = place(&run, &format!("chain.{link}"), last)[1];
+                assert!((-1e-6..0.05).contains(&height), "{link}: {height}");
+            }
+            for rod in run.scene().rods() {
+                let [a, b] = rod.ends.map(|end| run.scene().particles()[end].name.clone());
+                let (a, b) = (place(&run, &a, last), place(&run, &b, last));
+                let length = a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                assert!((length / rod.length - 1.0).abs() < 1e-6, "{length}");
+            }
+        }
+    }
+}
+
 /// Friction does not turn a particle, which is a point: it slides down a slope as without friction.
 #[test]
 fn a_particle_has_no_friction_and_never_turns() {

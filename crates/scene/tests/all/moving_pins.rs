@@ -133,6 +133,158 @@ fn a_pendulum_on_a_rod_follows_a_pin_that_moves() {
     assert!(defect(&fine) < 1e-4, "{}", defect(&fine));
 }
 
+/// The same pendulum beside a body, where rods are joints: alone of order 2, solved together with contacts of order 1.
+#[test]
+fn a_rod_beside_bodies_follows_a_pin_that_moves() {
+    let [l, w, time]: [f64; 3] = [0.8, TAU * 0.7, 1.5];
+    let (angle, along) = (0.4_f64, [0.3 * w, 0.15 * w]);
+    let [end, rate] = on_a_moving_pivot(l, w, [angle, 0.0], time);
+    let hook = 0.3 * (w * time).sin();
+    let exact = [hook + l * end.sin(), 0.5 * hook - l * end.cos()];
+    let moved = 0.3 * w * (w * time).cos();
+    let speed = (moved + l * rate * end.cos()).hypot(0.5 * moved + l * rate * end.sin());
+    for (dimension, method, side) in
+        [(2, "stormer-verlet", "[1, 1]"), (3, "variational-rotation", "[1, 1, 1]")]
+    {
+        let at = |x: f64, y: f64| match dimension {
+            3 => format!("[{x}, {y}, 0]"),
+            _ => format!("[{x}, {y}]"),
+        };
+        for (contact, order) in [("", 2.0), ("contact = { restitution = 0.5 }\n", 1.0)] {
+            let run = |step: f64| {
+                scene(&format!(
+                    "dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {time}\n\
+                     uniform_gravity = {{ acceleration = {} }}\n{contact}\
+                     observables = [{{ position = \"bob\" }}, {{ velocity = \"bob\" }}, \
+                     {{ tension = [\"hook\", \"bob\"] }}]\n\
+                     bodies = [{{ name = \"far\", mass = 1, box = {side}, position = {} }}]\n\
+                     particles = [{{ name = \"hook\", position = {}, pinned = true }},\n\
+                     {{ name = \"bob\", position = {}, mass = 0.4, velocity = {} }}]\n\
+                     rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
+                     motions = [{{ of = \"hook\", shift = {}, strength = {{ sine = 1, frequency = 0.7 }} }}]\n",
+                    at(0.0, -9.81),
+                    at(30.0, 0.0),
+                    at(0.0, 0.0),
+                    at(l * angle.sin(), -l * angle.cos()),
+                    at(along[0], along[1]),
+                    at(0.3, 0.15),
+                ))
+                .run()
+                .unwrap()
+            };
+            let runs = [0.002, 0.001].map(run);
+            let off = runs.each_ref().map(|run| {
+                let x = run.observed(run.times().len() - 1);
+                (x[0] - exact[0]).hypot(x[1] - exact[1])
+            });
+            let slope = (off[0] / off[1]).log2();
+            assert!((slope - order).abs() < 0.2, "{dimension} {contact}: {slope} {off:?}");
+            assert!(off[1] < if order == 2.0 { 1e-4 } else { 2e-2 }, "{off:?}");
+            let x = runs[1].observed(runs[1].times().len() - 1);
+            let found = x[dimension].hypot(x[dimension + 1]);
+            assert!((found - speed).abs() < 2e-2, "{found} {speed}");
+            // What the pin gives through its rod is told, and closes the budget but for the steps' own defect.
+            let [coarse, fine] = runs.each_ref().map(defect);
+            assert!(fine < 0.7 * coarse && fine < 1e-2, "{dimension} {contact}: {coarse} {fine}");
+            let works = runs[1].works();
+            let told = works.iter().find(|(name, _)| name.contains("pins that move rods"));
+            assert!(told.is_some_and(|(_, work)| work.abs() > 0.1), "{works:?}");
+        }
+    }
+}
+
+/// A pin of radius 0.1 that moves at 2 m/s hits what is at rest 0.5 m ahead: `(1 + e)` times its speed is given.
+#[test]
+fn a_pin_that_moves_and_has_a_radius_pushes_what_it_meets() {
+    let (speed, mass): (f64, f64) = (2.0, 0.4);
+    for (dimension, method, side) in
+        [(2, "stormer-verlet", "[0.2, 0.2]"), (3, "variational-rotation", "[0.2, 0.2, 0.2]")]
+    {
+        let at = |x: f64, y: f64| match dimension {
+            3 => format!("[{x}, {y}, 0]"),
+            _ => format!("[{x}, {y}]"),
+        };
+        let bead = format!(
+            "{{ name = \"it\", mass = {mass}, radius = 0.1, position = {} }},",
+            at(0.6, 0.0)
+        );
+        let block = format!(
+            "bodies = [{{ name = \"it\", mass = {mass}, box = {side}, position = {} }}]\n",
+            at(0.6, 0.0)
+        );
+        for (bodies, bead) in [("", bead.as_str()), (block.as_str(), "")] {
+            for restitution in [1.0, 0.5, 0.0] {
+                let text = format!(
+                    "dimension = {dimension}\nintegrator = \"{method}\"\nstep = 0.001\nhorizon = 0.5\n\
+                     observables = [{{ position = \"it\" }}, {{ velocity = \"it\" }}]\n{bodies}\
+                     particles = [{bead} {{ name = \"pusher\", radius = 0.1, pinned = true, position = {} }}]\n\
+                     contact = {{ restitution = {restitution} }}\n\
+                     motions = [{{ of = \"pusher\", shift = {}, strength = {{ ramp = [0, 1], to = 1 }} }}]\n",
+                    at(0.0, 0.0),
+                    at(speed, 0.0),
+                );
+                let run = scene(&text).run().unwrap();
+                let end = run.observed(run.times().len() - 1);
+                let given = (1.0 + restitution) * speed;
+                assert!((end[dimension] - given).abs() < 1e-9, "{text}{end:?}");
+                // It is hit 0.4 m further, at 0.2 s, within two steps.
+                let exact = 0.6 + given * 0.3;
+                assert!((end[0] - exact).abs() < 2.0 * given * 1e-3, "{} {exact}", end[0]);
+                let energy = 0.5 * mass * given * given;
+                assert!(defect(&run) * energy < 1e-9, "{:?}", run.works());
+                let rows = run.contact_impulses();
+                let names = rows[0].between.map(|side| side.name(run.scene()));
+                assert_eq!(names, ["pusher", "it"]);
+                let pushed: f64 = rows.iter().map(|row| row.impulse[0]).sum();
+                assert!((pushed - mass * given).abs() < 1e-9 && rows[0].normal[0] > 0.0);
+            }
+        }
+    }
+}
+
+/// A ball on a rod from a pin that moves, which another pushes: a run that is resumed is the one that was not.
+#[test]
+fn a_run_with_pins_that_lead_and_push_resumes_to_the_same_bits() {
+    let text = "dimension = 3\nintegrator = \"variational-rotation\"\nstep = 0.005\nhorizon = 1\n\
+                uniform_gravity = { acceleration = [0, 0, -10] }\n\
+                bodies = [{ name = \"far\", mass = 1, box = [1, 1, 1], position = [9, 0, 0] }]\n\
+                particles = [{ name = \"hook\", pinned = true, position = [0, 0, 1] },\n\
+                { name = \"bob\", mass = 1, radius = 0.1, position = [0, 0, 0] },\n\
+                { name = \"pusher\", pinned = true, radius = 0.2, position = [-0.6, 0, 0.05] }]\n\
+                rods = [{ between = [\"hook\", \"bob\"] }]\n\
+                contact = { restitution = 0.5, friction = 0.3 }\n\
+                motions = [{ of = \"hook\", shift = [0, 0.2, 0], strength = { ramp = [0, 1], from = 0.1, to = 0.6 } },\n\
+                { of = \"pusher\", shift = [0.7, 0, 0], strength = { ramp = [0, 1], to = 0.8 } }]\n";
+    let scene = scene(text);
+    assert!(!scene.run().unwrap().impacts().is_empty());
+    crate::checkpoints::assert_resumes(&scene, &[2, 90, 150], "pins-that-push");
+}
+
+#[test]
+fn a_pin_that_moves_and_touches_where_nothing_solves_it_is_refused() {
+    let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.01\nhorizon = 1\n\
+                particles = [{ name = \"it\", mass = 1, radius = 0.1, position = [1, 0] },\n\
+                { name = \"pusher\", radius = 0.1, pinned = true, position = [0, 0] }]\n\
+                contact = { stiffness = 100 }\n\
+                motions = [{ of = <<\"pusher\">>, shift = [1, 0], strength = { ramp = [0, 1], to = 1 } }]\n";
+    let message = "`pusher` has a `radius` and touches what is there, which a pin that moves does only where impulses \
+                   move bodies in the plane or in space: leave out its `radius`, or the `stiffness` of contact";
+    crate::body_diagnostics::refused(text, message);
+}
+
+/// In the coordinates of joints a pin that moves has no place.
+#[test]
+fn a_rod_to_a_pin_that_moves_is_refused_where_joints_have_coordinates() {
+    let text = "dimension = 2\nintegrator = <<\"joint-coordinates\">>\nstep = 0.01\nhorizon = 1\n\
+                bodies = [{ name = \"far\", mass = 1, box = [1, 1], position = [9, 0] }]\n\
+                particles = [{ name = \"hook\", position = [0, 0], pinned = true },\n\
+                { name = \"bob\", position = [1, 0], mass = 1 }]\n\
+                rods = [{ between = [\"hook\", \"bob\"] }]\n\
+                motions = [{ of = \"hook\", shift = [0, 1], strength = { ramp = [0, 1], from = 0.1, to = 1 } }]\n";
+    let message = "`joint-coordinates` cannot step rods to pins that move: name `stormer-verlet`";
+    crate::body_diagnostics::refused(text, message);
+}
+
 /// Along its rod a dumbbell is moved by a pin as one particle of the mass of both, to rounding.
 #[test]
 fn a_pin_that_moves_pulls_at_what_hangs_on_rods_as_at_one_mass() {

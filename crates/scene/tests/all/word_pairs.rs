@@ -100,7 +100,7 @@ impl Pair<'_> {
             _ => ("beam.0", "beam.3"),
         };
         if self.has_particles() {
-            // Attraction is between free particles alone.
+            // A pin without a mass does not attract.
             let hook = !self.says("newtonian_gravity") || self.says_one_of(&["chains", "motions"]);
             let hook = if hook {
                 format!("{{ name = \"hook\", pinned = true, position = {} }},", at(0.0, 1.0))
@@ -159,10 +159,15 @@ impl Pair<'_> {
             ));
         }
         if self.has_bodies() {
-            let side = if self.dimension == 3 { "[0.4, 0.4, 0.4]" } else { "[0.4, 0.4]" };
+            let shape = match self.dimension {
+                // Of what is in space balls attract.
+                3 if self.says("newtonian_gravity") => "ball = 0.2",
+                3 => "box = [0.4, 0.4, 0.4]",
+                _ => "box = [0.4, 0.4]",
+            };
             say(format!(
-                "bodies = [{{ name = \"a\", mass = 1, box = {side}, position = {} }}, \
-                 {{ name = \"b\", mass = 1, box = {side}, position = {} }}]",
+                "bodies = [{{ name = \"a\", mass = 1, {shape}, position = {} }}, \
+                 {{ name = \"b\", mass = 1, {shape}, position = {} }}]",
                 at(3.0, 0.0),
                 at(3.0, 1.0)
             ));

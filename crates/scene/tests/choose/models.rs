@@ -1,6 +1,6 @@
 //! What can be made of a scene, and what of it is chosen.
 
-use stationary_choose::{MeasuredRuns, answer};
+use stationary_choose::{At, MeasuredRuns, answer};
 use stationary_scene::choose::{Model, Question, Simplification, emitted};
 use stationary_scene::{Run, Scene};
 
@@ -89,6 +89,22 @@ fn impacts_at_their_instant_are_a_model_unless_something_rests_or_slides_from_th
     assert!(!is_model(0.1, 0.0));
     // It leaves the floor, or comes to it later.
     assert!(is_model(0.1, 2.0) && is_model(0.5, 0.0) && is_model(0.11, -1.0));
+}
+
+#[test]
+fn contact_in_steps_chosen_by_error_is_a_family_of_tolerances() {
+    // It slides from the start, and falls.
+    for (height, up) in [(0.1, 0.0), (0.5, 0.0)] {
+        let mut runs = bounded_runs(&thrown(height, up), "position=box");
+        let named = |family: &stationary_choose::Family| family.name == "error-controlled";
+        let family = runs.ladder().families.iter().position(named).unwrap();
+        let works = [1, 3, 4].map(|rung| {
+            let run = runs.measure(At { family, rung });
+            assert!(run.whole().is_some(), "{:?}", run.end);
+            run.work
+        });
+        assert!(works.is_sorted() && works[0] < works[2], "{works:?}");
+    }
 }
 
 fn models(text: &str) -> Vec<Model> {

@@ -13,6 +13,14 @@ use crate::model::strength::Strength;
 #[cfg(feature = "elasticity")]
 use stationary_elasticity::Spring;
 
+/// Names as a sentence lists them.
+fn listed(names: &[&str]) -> Option<String> {
+    match names.split_last()? {
+        (last, []) => Some((*last).to_owned()),
+        (last, rest) => Some(format!("{} and {last}", rest.join(", "))),
+    }
+}
+
 impl Scene {
     /// What each work of a run is of: what acts, and the motors with a speed.
     pub(crate) fn works_of(&self) -> Vec<String> {
@@ -21,38 +29,38 @@ impl Scene {
         }
         let acts = Acting::of(self).map_or(Vec::new(), |acting| acting.acts);
         let mut names: Vec<String> = acts.into_iter().map(|act| act.name).collect();
-        names.extend(self.works_of_steps().iter().map(|&name| name.to_owned()));
+        names.extend(self.works_of_steps());
         names
     }
 
     /// The names of the works that steps report themselves.
-    fn works_of_steps(&self) -> Vec<&'static str> {
-        let speeds = self.drives.has_speeds();
+    fn works_of_steps(&self) -> Vec<String> {
+        let mut driven = Vec::new();
+        driven.extend(self.drives.has_speeds().then_some("motors with a speed"));
+        driven.extend(self.moves_rods().then_some("pins that move rods"));
         if !self.has_inequalities() {
-            let mut names = Vec::new();
-            names.extend(speeds.then_some("motors with a speed"));
-            #[cfg(feature = "constraints")]
-            names.extend(self.moves_rods().then_some("pins that move rods"));
-            return names;
+            return listed(&driven).into_iter().collect();
+        }
+        if self.chooses_contact_steps() {
+            return vec!["impacts".to_owned()];
         }
         let mut names = Vec::new();
         if self.touches_as_bodies() {
             names.extend(["friction", "impacts"]);
         }
+        #[cfg(feature = "contact")]
+        names.extend(self.obstacles().next().map(|_| "pins that move and touch"));
         names.push("lifting out of overlap");
         if self.joints.iter().any(|joint| joint.friction > 0.0) {
             names.push("friction of joints");
         }
-        let limits = self.joints.iter().any(|joint| joint.limits.is_some());
-        if self.has_joints() {
-            names.push(match (limits, speeds) {
-                (false, false) => "joints",
-                (true, false) => "joints and their limits",
-                (false, true) => "joints and motors with a speed",
-                (true, true) => "joints, their limits and motors with a speed",
-            });
+        let mut held = vec!["joints"];
+        if self.joints.iter().any(|joint| joint.limits.is_some()) {
+            held.push("their limits");
         }
-        names
+        held.extend(driven);
+        let held = listed(&held).filter(|_| self.has_joints());
+        names.into_iter().map(str::to_owned).chain(held).collect()
     }
 
     /// Freedoms of a particle or a body.
