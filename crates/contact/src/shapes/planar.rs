@@ -11,7 +11,7 @@ use parry2d_f64::math::Pose;
 use stationary_calculus::{DiagonalMetric, Flat};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
-use crate::detect::planar_narrow_phase::{Manifolds, facing, facing_parts};
+use crate::detect::planar_narrow_phase::{facing, facing_parts};
 use crate::detect::ray::entrance;
 use crate::error::check_finite;
 use crate::shapes::dimension::{Answer, Closest, Facing, farthest_of_plane, sealed::Sealed};
@@ -42,7 +42,7 @@ impl Dimension for Planar {
     type Frame = PlanarRotation;
     type Pose = Pose;
     type Tree = crate::detect::broad_phase::PlanarTree;
-    type Room = Manifolds;
+    type Room = ();
     type Solver = IslandSolver<Vector2<f64>, 3, 2>;
 
     const TRANSLATION: usize = 2;
@@ -203,7 +203,7 @@ impl Dimension for Planar {
         shapes: [&PlanarShape; 2],
         parts: [u32; 2],
         poses: [&Pose; 2],
-        _room: &mut Manifolds,
+        _: &mut (),
         found: &mut Vec<Facing<Vector2<f64>>>,
     ) -> Option<Closest<Vector2<f64>>> {
         use parry2d_f64::query::{ClosestPoints, closest_points};
@@ -292,13 +292,14 @@ impl Dimension for Planar {
             // Of a capsule the two long sides, and its ends as planes: the discs there follow.
             let (points, normals) = (core.points(), core.normals());
             let sides = (0..normals.len()).map(|k| [points[k] + normals[k] * round, normals[k]]);
-            let caps = [[points[0], points[0] - points[1]], [points[1], points[1] - points[0]]];
-            let planes: Vec<_> = match round > 0.0 {
-                true => sides.chain(caps).collect(),
-                false => sides.collect(),
+            let planes: Vec<_> = match points {
+                [from, to] => sides.chain([[*from, *from - *to], [*to, *to - *from]]).collect(),
+                _ => sides.collect(),
             };
             let cut = planes.iter().map(|[a, n]| [n.dot(d), n.dot(o - *a)]);
-            if let Some((t, face)) = entrance(cut, longest) {
+            if points.len() > 1
+                && let Some((t, face)) = entrance(cut, longest)
+            {
                 let normal = |k: usize| planar_convert::from_vector(planes[k][1]).normalize();
                 offer(t, face.map(normal));
             }
@@ -324,10 +325,10 @@ impl Dimension for Planar {
         shapes: [&PlanarShape; 2],
         poses: [&Pose; 2],
         margin: f64,
-        room: &mut Manifolds,
+        _: &mut (),
         found: &mut Vec<Facing<Vector2<f64>>>,
     ) -> Answer {
-        facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+        facing(shapes, &poses[0].inv_mul(poses[1]), margin, found)
     }
 }
 
