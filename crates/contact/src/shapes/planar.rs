@@ -37,6 +37,7 @@ impl Dimension for Planar {
     type Metric = DiagonalMetric<Vec<f64>>;
     type Space = Flat;
     type Directions = [Vector2<f64>; 2];
+    type Stored = [f64; 3];
     type Velocity = [f64; 3];
     type Spin = f64;
     type Frame = PlanarRotation;
@@ -158,8 +159,8 @@ impl Dimension for Planar {
         [(first.translation - second.translation).norm(), turned.abs()]
     }
 
-    fn numbers(motion: &PlanarMotion) -> Vec<f64> {
-        vec![motion.translation.x, motion.translation.y, motion.rotation.angle()]
+    fn numbers(motion: &PlanarMotion) -> [f64; 3] {
+        [motion.translation.x, motion.translation.y, motion.rotation.angle()]
     }
 
     fn advance(
