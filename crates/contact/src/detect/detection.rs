@@ -390,6 +390,15 @@ impl<G: Dimension> DetectorIn<G> {
                 let normal = G::turn(&seen, &outwards);
                 seams.cover(colliders, pair, side, (k, facing), &normal, size)
             }));
+            // Of one mesh the deepest is nobody else's: where many directions are as good, none may seem its own.
+            let deepest =
+                || (0..facing.len()).min_by(|&j, &k| facing[j].gap.total_cmp(&facing[k].gap));
+            if seams.alone(pair[side])
+                && covered.iter().all(|&covered| covered)
+                && let Some(deepest) = deepest()
+            {
+                covered[deepest] = false;
+            }
             let mut stays = covered.iter().map(|covered| !covered);
             facing.retain(|_| stays.next().unwrap_or(true));
         }

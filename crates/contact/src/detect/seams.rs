@@ -12,6 +12,7 @@
 //! polygon of contacts that is not covered a little farther along: that of what hangs in a hole, at whose
 //! corners each side would leave it to the next. And so does what overlaps by more than rounding: there it may be
 //! the only way out.
+//! Of a mesh without neighbours the deepest contact stays whatever the rest do: the gap of what it is nearest to.
 //!
 //! Half-spaces are nobody's neighbours. Source: the Voronoi regions of features, Mirtich 1998.
 
@@ -81,6 +82,11 @@ impl Seams {
     /// Whether a collider has neighbours or parts at all.
     pub(crate) fn at(&self, collider: usize) -> bool {
         !self.next[collider].is_empty()
+    }
+
+    /// Whether a collider's own parts are the only neighbours that there are.
+    pub(crate) fn alone(&self, collider: usize) -> bool {
+        self.next[collider] == [collider]
     }
 
     /// Whether two colliders are parts of one surface.
