@@ -3,11 +3,15 @@
 pub(crate) mod contact_point;
 pub(crate) mod broad_phase;
 #[cfg(feature = "2d")]
+pub(crate) mod outline_point;
+#[cfg(feature = "2d")]
 pub(crate) mod planar_narrow_phase;
 #[cfg(feature = "3d")]
 pub(crate) mod box_axes;
 #[cfg(feature = "3d")]
 pub(crate) mod polytope_axes;
+#[cfg(feature = "3d")]
+pub(crate) mod polytope_point;
 #[cfg(feature = "3d")]
 pub(crate) mod polytope_corners;
 #[cfg(feature = "3d")]

@@ -40,6 +40,8 @@ pub struct DetectorIn<G: Dimension> {
     pairs: Vec<(usize, usize)>,
     pub(super) room: G::Room,
     pub(super) facing: Vec<Facing<G::Vector>>,
+    /// Which of these are a neighbour's.
+    covered: Vec<bool>,
     contacts: Vec<ContactIn<G>>,
 }
 
@@ -105,6 +107,7 @@ impl<G: Dimension> DetectorIn<G> {
             pairs: Vec::new(),
             room: G::Room::default(),
             facing: Vec::new(),
+            covered: Vec::new(),
             contacts: Vec::new(),
             colliders,
             bodies,
@@ -374,18 +377,30 @@ impl<G: Dimension> DetectorIn<G> {
 
     /// Drops what is not felt because it is at an edge between parts of one surface.
     fn drop_at_seams(&mut self, pair: [usize; 2], placed: &[G::Motion; 2]) {
-        let Self { seams, colliders, facing, radii, .. } = self;
+        let Self { seams, colliders, facing, covered, radii, .. } = self;
         let bodies = pair.iter().filter_map(|&i| colliders[i].body());
         let size = bodies.map(|body| radii[body]).fold(f64::INFINITY, f64::min);
         for side in [0, 1].into_iter().filter(|&side| seams.at(pair[side])) {
             let own = &colliders[pair[side]];
             // From the axes of the first collider to those of this side's carrier.
             let seen = own.place.compose(&placed[side].inverse()).compose(&placed[0]);
-            facing.retain(|facing| {
-                let outwards = facing.normal * if side == 0 { 1.0 } else { -1.0 };
+            covered.clear();
+            covered.extend((0..facing.len()).map(|k| {
+                let outwards = facing[k].normal * if side == 0 { 1.0 } else { -1.0 };
                 let normal = G::turn(&seen, &outwards);
-                !seams.cover(colliders, pair, side, facing, &normal, size)
-            });
+                seams.cover(colliders, pair, side, (k, facing), &normal, size)
+            }));
+            // Of one mesh the deepest is nobody else's: where many directions are as good, none may seem its own.
+            let deepest =
+                || (0..facing.len()).min_by(|&j, &k| facing[j].gap.total_cmp(&facing[k].gap));
+            if seams.alone(pair[side])
+                && covered.iter().all(|&covered| covered)
+                && let Some(deepest) = deepest()
+            {
+                covered[deepest] = false;
+            }
+            let mut stays = covered.iter().map(|covered| !covered);
+            facing.retain(|_| stays.next().unwrap_or(true));
         }
     }
 

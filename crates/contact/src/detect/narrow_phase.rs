@@ -6,9 +6,9 @@
 //! Boxes are clipped along the axis along which they are farthest apart; so are hulls of points, by
 //! faces of any number of corners, and both against the triangles of a surface; on a half-space every
 //! corner counts. Capsules, cylinders, cones and ellipsoids have a search of their own
-//! (`separation.rs`), and so have balls beside hulls and hulls of very many edges. Balls beside balls, boxes,
-//! half-spaces and meshes, and boxes on half-spaces, are asked of the geometry library, which has closed
-//! forms for them. Points that face each other along `n` across
+//! (`separation.rs`), and so have hulls of very many edges. A ball faces the place of a box, a hull or a triangle
+//! that is closest to its centre (`polytope_point.rs`). Balls beside balls and half-spaces, and boxes on
+//! half-spaces, are asked of the geometry library, which has closed forms for them. Points that face each other along `n` across
 //! `s(n)` are the closest there are, by the inequality. Where the axes of boxes find none such, because a corner is closest to a corner or
 //! to an edge, the closest points are asked for: the gap is the distance, and its differential the
 //! gap's. Of boxes that overlap the axes say all: the least way out leads through a face of the
@@ -17,13 +17,14 @@
 //! Matching faces of boxes and hulls keep their corners.
 
 use nalgebra::Vector3;
-use parry3d_f64::bounding_volume::BoundingVolume;
+use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry3d_f64::shape::{Cuboid, PolygonalFeature};
+use parry3d_f64::shape::{Cuboid, PackedFeatureId, PolygonalFeature};
 
 use crate::Shape;
 use crate::detect::box_axes::farthest;
+use crate::detect::polytope_point::{Nearest, nearest};
 use crate::detect::polytopes;
 use crate::detect::round_contacts::{self, Body};
 use crate::shapes::convert::{from_vector, vector};
@@ -49,6 +50,9 @@ const WIDE: f64 = 1e-7;
 /// Points this part of a box farther apart than they need be are the closest.
 const SHORT: f64 = 1e-9;
 
+/// Distances below this part of the size and the distance are rounding, and have no direction.
+const ROUNDING: f64 = 1e-13;
+
 /// Pairs of edges beyond which looking at each costs more than the search for the direction between round
 /// solids.
 const EDGE_PAIRS: usize = 1 << 16;
@@ -63,16 +67,16 @@ pub(crate) fn facing(
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
     let Manifolds { found: manifolds, one, polytopes: space, triangle, round } = room;
-    let hull = |shape: &&Shape| shape.polytope().is_some() && shape.wide().is_none();
-    let ball_and_hull =
-        shapes.iter().any(hull) && both.iter().any(|shape| shape.as_ball().is_some());
+    if [0, 1].into_iter().any(|side| ball_facing(shapes, side, relative, margin, triangle, found)) {
+        return Answer::Now;
+    }
     let edges = |shape: &Shape| match (shape.polytope(), shape.geometry().as_trimesh()) {
         (Some(solid), _) => solid.edges.len(),
         (None, Some(_)) => 3,
         (None, None) => 0,
     };
     let many = edges(shapes[0]) * edges(shapes[1]) > EDGE_PAIRS;
-    if ball_and_hull || many || shapes.iter().any(|shape| shape.curved().is_some()) {
+    if many || shapes.iter().any(|shape| shape.curved().is_some()) {
         return round_facing(shapes, relative, margin, round, triangle, found);
     }
     if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
@@ -128,6 +132,57 @@ pub(crate) fn facing(
         |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
     let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
     [0, 1].iter().find(|k| plane(k)).map_or(Answer::Now, |&k| Answer::Plane(k))
+}
+
+/// Appends where a ball, the shape `side`, faces a solid with flat faces or the triangles of a surface; says
+/// whether it is one, and the other shape such.
+fn ball_facing(
+    shapes: [&Shape; 2],
+    side: usize,
+    relative: &Pose,
+    margin: f64,
+    triangle: &mut Option<Polytope>,
+    found: &mut Vec<Facing<Vector3<f64>>>,
+) -> bool {
+    let (Some(radius), other) = (shapes[side].ball_radius(), shapes[1 - side]) else {
+        return false;
+    };
+    // The ball as the other one sees it.
+    let place = if side == 0 { relative.inverse() } else { *relative };
+    let centre = from_vector(place.translation);
+    let mut append = |solid: &Polytope, part: u32| {
+        let rounding = ROUNDING * (solid.size + centre.norm());
+        let Nearest { place: on_solid, normal, distance, feature } =
+            nearest(solid, &centre, rounding);
+        let gap = distance - radius;
+        if gap > margin {
+            return;
+        }
+        // Out of the ball, in its own axes.
+        let towards = from_vector(place.rotation.inverse() * vector(&-normal));
+        let (mut parts, mut features) = ([0, part], [PackedFeatureId::face(0).0, feature]);
+        let mut points = [towards * radius, on_solid];
+        parts.swap(0, side);
+        features.swap(0, side);
+        points.swap(0, side);
+        let normal = if side == 0 { towards } else { normal };
+        found.push(Facing { parts, features, points, normal, gap });
+    };
+    match (other.polytope(), other.geometry().as_trimesh()) {
+        (Some(solid), _) => append(solid, 0),
+        (None, Some(mesh)) => {
+            let reach = Vector::splat(radius + margin);
+            let near = Aabb::new(place.translation - reach, place.translation + reach);
+            let triangle = triangle.get_or_insert_with(Polytope::triangle);
+            for part in mesh.bvh().intersect_aabb(&near) {
+                let corners = mesh.triangle(part);
+                triangle.set_triangle([corners.a, corners.b, corners.c].map(from_vector));
+                append(triangle, part);
+            }
+        }
+        (None, None) => return false,
+    }
+    true
 }
 
 /// Finds where two convex parts with flat faces face each other, however far apart; says whether they are

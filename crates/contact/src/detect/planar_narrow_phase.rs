@@ -7,33 +7,28 @@
 //! the corner that reaches farthest lies in front of the edge, `s` is their distance too. Else two
 //! corners are closest. The edge and the one that faces it are clipped against each other, and so
 //! matching edges keep both ends, whatever rounding does. Pieces of other polygons are looked at
-//! pair by pair. A capsule is its segment and a radius: gaps are those of the segment, less the
-//! radius. Before a half-plane every corner that is near has a contact. Discs are asked of the geometry
-//! library.
+//! pair by pair. A capsule is its segment and a radius, a disc its centre and a radius: gaps are those of
+//! the segment or the point (`outline_point.rs`), less the radius. Before a half-plane every corner that is
+//! near has a contact.
 
 use nalgebra::Vector2;
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::query::details::clip_segment_segment_with_normal;
-use parry2d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry2d_f64::shape::PackedFeatureId;
 
 use crate::PlanarShape;
+use crate::detect::outline_point::{Feature, Nearest, nearest};
 use crate::shapes::dimension::{Answer, Facing};
 use crate::shapes::outline::Outline;
 use crate::shapes::planar_convert::{from_vector, vector};
 
 type Found = Vec<Facing<Vector2<f64>>>;
 
-/// Room for the answers of the library.
-#[derive(Default)]
-pub struct Manifolds(Vec<ContactManifold<(), ()>>);
-
 /// Appends where two shapes face each other.
 pub(crate) fn facing(
     shapes: [&PlanarShape; 2],
     relative: &Pose,
     margin: f64,
-    room: &mut Manifolds,
     found: &mut Found,
 ) -> Answer {
     let [a, b] = shapes.map(PlanarShape::cores);
@@ -47,23 +42,7 @@ pub(crate) fn facing(
         return Answer::Now;
     }
     if a.is_empty() || b.is_empty() {
-        if round == 0.0 {
-            return ask(shapes, relative, margin, room, found);
-        }
-        let side = usize::from(a.is_empty());
-        let place = if side == 0 { &back } else { relative };
-        return disc_and_capsule(
-            [shapes[1 - side], shapes[side]],
-            place,
-            margin,
-            |points, n, gap| {
-                let (points, n) = match side {
-                    1 => (points, n),
-                    _ => ([points[1], points[0]], back_to_capsule(relative, &n)),
-                };
-                found.push(Facing { parts: [0, 0], features: [0, 0], points, normal: n, gap });
-            },
-        );
+        return Answer::None;
     }
     let first_found = found.len();
     for (i, first) in a.iter().enumerate() {
@@ -107,12 +86,6 @@ fn round_off(found: &mut [Facing<Vector2<f64>>], radii: [f64; 2], back: &Pose) {
     }
 }
 
-/// The normal of a capsule and its partner, seen from the partner, as the capsule sees it turned
-/// round.
-fn back_to_capsule(relative: &Pose, n: &Vector2<f64>) -> Vector2<f64> {
-    -from_vector(relative.rotation * vector(n))
-}
-
 /// Appends where a half-plane, the shape `side`, and what has corners or round ends face each other: every corner
 /// that is near.
 fn facing_plane(
@@ -151,60 +124,6 @@ fn facing_plane(
     }
 }
 
-/// Says where a disc, which sees the capsule at `place`, and the capsule face each other.
-fn disc_and_capsule(
-    [other, capsule]: [&PlanarShape; 2],
-    place: &Pose,
-    margin: f64,
-    say: impl FnOnce([Vector2<f64>; 2], Vector2<f64>, f64),
-) -> Answer {
-    let (ends, radius) = (capsule.cores()[0].points(), capsule.rounding());
-    let own = |at: Vector| from_vector(place.inverse() * at);
-    let Some(disc) = other.geometry().as_ball() else { return Answer::None };
-    let [from, to] = [0, 1].map(|end: usize| *place * ends[end]);
-    let along = to - from;
-    let t = (-from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    let nearest = from + along * t;
-    let distance = nearest.length();
-    // Where the segment passes through the centre, out sideways is as good as any way.
-    let sideways = Vector::new(-along.y, along.x).normalize();
-    let n = if distance > 0.0 { nearest / distance } else { sideways };
-    let gap = distance - radius - disc.radius;
-    if gap <= margin {
-        say([from_vector(n * disc.radius), own(nearest - n * radius)], from_vector(n), gap);
-    }
-    Answer::Now
-}
-
-/// Asks the geometry library.
-fn ask(
-    shapes: [&PlanarShape; 2],
-    relative: &Pose,
-    margin: f64,
-    room: &mut Manifolds,
-    found: &mut Found,
-) -> Answer {
-    let [a, b] = shapes.map(|shape| &**shape.geometry());
-    let manifolds = &mut room.0;
-    manifolds.clear();
-    if a.as_composite_shape().is_none() && b.as_composite_shape().is_none() {
-        manifolds.push(ContactManifold::new());
-    }
-    let answer =
-        DefaultQueryDispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None);
-    for manifold in manifolds.iter() {
-        let near = manifold.points.iter().filter(|point| point.dist <= margin);
-        found.extend(near.map(|point| Facing {
-            parts: [manifold.subshape1, manifold.subshape2],
-            features: [point.fid1.0, point.fid2.0],
-            points: [from_vector(point.local_p1), from_vector(point.local_p2)],
-            normal: from_vector(manifold.local_n1),
-            gap: point.dist,
-        }));
-    }
-    answer.map_or(Answer::None, |()| Answer::Now)
-}
-
 /// Two convex polygons, everything seen from the first.
 struct Pair<'a> {
     first: &'a Outline,
@@ -212,6 +131,19 @@ struct Pair<'a> {
     there: Pose,
     back: Pose,
     parts: [u32; 2],
+}
+
+/// Swaps the sides of what two outlines face each other with, the second of which sees the first at a place.
+fn turn_round(facing: &mut Facing<Vector2<f64>>, place: &Pose) {
+    facing.parts.swap(0, 1);
+    facing.features.swap(0, 1);
+    facing.points.swap(0, 1);
+    facing.normal = from_vector(place.rotation * -vector(&facing.normal));
+}
+
+/// The distance of the farthest corner from the origin.
+fn size(outline: &Outline) -> f64 {
+    outline.points().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt()
 }
 
 /// A normal along which polygons are apart.
@@ -230,11 +162,23 @@ const ROUNDING: f64 = 1e-13;
 
 impl Pair<'_> {
     fn append(&self, margin: f64, found: &mut Found) {
+        if let [_] = self.second.points() {
+            return self.append_before_point(margin, found);
+        }
+        if let [_] = self.first.points() {
+            let seen = Pair {
+                first: self.second,
+                second: self.first,
+                there: self.back,
+                back: self.there,
+                parts: [self.parts[1], self.parts[0]],
+            };
+            let start = found.len();
+            seen.append_before_point(margin, found);
+            return found[start..].iter_mut().for_each(|facing| turn_round(facing, &self.there));
+        }
         let Some(own) = best_axis(self.first, self.second, &self.there, margin) else { return };
         let Some(other) = best_axis(self.second, self.first, &self.back, margin) else { return };
-        let size = |polygon: &Outline| {
-            polygon.points().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt()
-        };
         let sizes = [size(self.first), size(self.second)];
         let rounding = ROUNDING * (sizes[0] + sizes[1] + self.there.translation.length());
         let first = found.len();
@@ -267,6 +211,23 @@ impl Pair<'_> {
             // Corner meets corner, and the way from one to the other is rounding.
             self.append_corner(axis, normal, of_second, found);
         }
+    }
+
+    /// Appends where the first outline faces the second, a point.
+    fn append_before_point(&self, margin: f64, found: &mut Found) {
+        let at = self.there.translation;
+        let rounding = ROUNDING * (size(self.first) + at.length());
+        let Nearest { place, normal, distance, on } = nearest(self.first, at, rounding);
+        if distance > margin {
+            return;
+        }
+        let feature = match on {
+            Feature::Side(side) => face(side),
+            Feature::Corner(k) => corner(k),
+        };
+        let (features, points) = ([feature, corner(0)], [place, Vector::ZERO].map(from_vector));
+        let normal = from_vector(normal);
+        found.push(Facing { parts: self.parts, features, points, normal, gap: distance });
     }
 
     /// Clips an edge of each against the other along a normal.

@@ -5,7 +5,8 @@
 //! s(n) = min n.x2 - max n.x1          n = +n1, -n2, e1 x e2/|e1 x e2|
 //! ```
 //! `n1 n2` the normals of both solids' faces, `e1 e2` their edges. `s` is taken over all corners for every
-//! `n`, and so no direction, however badly rounded, promises more than it holds.
+//! `n`, and so no direction, however badly rounded, promises more than it holds. Of directions that are as good
+//! a triangle's own comes first: across its sides what touches it would lean.
 
 use nalgebra::Vector3;
 
@@ -31,7 +32,9 @@ pub(crate) enum Source {
 /// Edges that fall short of supporting by more ties do not support.
 const SUPPORT: f64 = 1e4;
 /// Edges at a smaller sine to each other are parallel: faces have their axis.
-pub(crate) const PARALLEL: f64 = 1e-10;
+pub(crate) const PARALLEL: f64 = 1e-15;
+/// Products of normals below this may be zero: arcs that end on each other cross.
+const TOUCHING: f64 = 1e-10;
 /// A solid as the pair's axes see it.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<'a> {
@@ -76,11 +79,14 @@ pub(crate) fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Optio
         best.separation
     };
     let mut so_far = f64::NEG_INFINITY;
-    for (f, n) in a.normals.iter().enumerate() {
-        so_far = take(*n, Source::First(f));
-    }
-    for (f, n) in b.normals.iter().enumerate() {
-        so_far = take(-n, Source::Second(f));
+    let triangle = b.normals.len() == 2;
+    for side in if triangle { [1, 0] } else { [0, 1] } {
+        for (f, n) in [a, b][side].normals.iter().enumerate() {
+            so_far = match side {
+                0 => take(*n, Source::First(f)),
+                _ => take(-n, Source::Second(f)),
+            };
+        }
     }
     if so_far > margin {
         return None;
@@ -94,12 +100,8 @@ pub(crate) fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Optio
             if !arcs_cross([n1, n2], [m1, m2]) {
                 continue;
             }
-            let across = e1.cross(&e2);
-            let length = across.norm();
-            if length <= PARALLEL * e1.norm() * e2.norm() {
-                continue;
-            }
-            let n = across * ((n1 + n2).dot(&across).signum() / length);
+            let Some(across) = across_both(&e1, &e2) else { continue };
+            let n = across * (n1 + n2).dot(&across).signum();
             for n in [n, -n].into_iter().take(if n1 == -n2 { 2 } else { 1 }) {
                 let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
                 // Arcs of a triangle's edge, whose sides are both outside, and arcs that end on each other's
@@ -117,9 +119,21 @@ pub(crate) fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Optio
     Some(best)
 }
 
+/// The unit vector across two edges; none where they are parallel. Of edges that are nearly so the product has few
+/// digits: what is left of it along either is taken out.
+pub(crate) fn across_both(e: &V, f: &V) -> Option<V> {
+    let product = e.cross(f);
+    if product.norm() <= PARALLEL * e.norm() * f.norm() {
+        return None;
+    }
+    let off = |n: V, e: &V| n - e * (n.dot(e) / e.norm_squared());
+    let across = off(product.normalize(), f);
+    off(off(across, e), e).try_normalize(0.0)
+}
+
 /// Whether the arcs between two pairs of normals cross on the sphere, or nearly.
 fn arcs_cross([a, b]: [V; 2], [c, d]: [V; 2]) -> bool {
     let (ab, cd) = (b.cross(&a), d.cross(&c));
     let (cba, dba, adc, bdc) = (c.dot(&ab), d.dot(&ab), a.dot(&cd), b.dot(&cd));
-    cba * dba <= PARALLEL && adc * bdc <= PARALLEL && cba * bdc >= -PARALLEL
+    cba * dba <= TOUCHING && adc * bdc <= TOUCHING && cba * bdc >= -TOUCHING
 }

@@ -9,12 +9,15 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 use parry3d_f64::shape::PackedFeatureId;
 
-use crate::detect::polytope_axes::{PARALLEL, Seen, separation};
+use crate::detect::polytope_axes::{Seen, across_both, separation};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Edge;
 
 type V = Vector3<f64>;
+
+/// A way at a smaller sine to an edge lies along it.
+const LENGTHWISE: f64 = 1e-10;
 
 /// The name of an edge between two corners: a feature's name has room for 30 bits, and no solid that is
 /// looked at here has 2^15 corners (`narrow_phase.rs`).
@@ -54,9 +57,9 @@ impl Pair {
     /// what of it is across an edge, which rounding of a short way does not show; and how far they are.
     fn direction(&self, both: [Seen<'_>; 2]) -> Option<(V, f64)> {
         let way = (self.points[1] - self.points[0]).try_normalize(0.0)?;
-        let across = |e: &V| (way - e * (e.dot(&way) / e.norm_squared())).try_normalize(PARALLEL);
+        let across = |e: &V| (way - e * (e.dot(&way) / e.norm_squared())).try_normalize(LENGTHWISE);
         let of_both = match self.along {
-            [Some(e), Some(f)] => e.cross(&f).try_normalize(0.0).map(|n| n * n.dot(&way).signum()),
+            [Some(e), Some(f)] => across_both(&e, &f).map(|n| n * n.dot(&way).signum()),
             _ => None,
         };
         let across = self.along.iter().flatten().filter_map(across);

@@ -50,8 +50,10 @@ enum Side {
 
 /// Later directions must be better by this part of the sizes, so that rounding does not choose.
 const TIE: f64 = 1e-13;
-/// Points outside of a face by this part of the sizes are on its border.
-const BORDER: f64 = 1e-9;
+/// Points outside of a face by this part of the sizes are on its border: no more than gaps may be off by.
+const BORDER: f64 = 1e-12;
+/// Corners and edges are as close as the closest within this part of the sizes.
+const AS_CLOSE: f64 = 1e-9;
 /// Points off an edge by less than this part of the sizes are on it.
 const ON_EDGE: f64 = 4e-12;
 /// Distances below this part of the sizes are rounding, and have no direction.
@@ -168,7 +170,7 @@ pub(crate) fn facing(
         }
     }
     if axis.separation > WIDE * size && least > axis.separation + SHORT * size {
-        by_corners([a, b], &back, BORDER * size, [least, margin], found);
+        by_corners([a, b], &back, AS_CLOSE * size, [least, margin], found);
     } else if found.len() == start && axis.separation <= margin {
         // Rounding left no polygon: the deepest corner stays.
         let deepest = |x: &&V, y: &&V| x.dot(&n).total_cmp(&y.dot(&n));

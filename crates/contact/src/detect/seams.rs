@@ -8,8 +8,11 @@
 //! size. Of two shapes that are apart `p` is closest to everything in front of it along `n`; where
 //! a neighbour is closer, as it is to what looks sideways out of the edge between two tiles or two
 //! triangles in a plane, the contact is the neighbour's. A normal of a face that is not covered a
-//! little farther inside belongs to a wall that stands on the neighbour, and stays. So does what
-//! overlaps by more than rounding: there it may be the only way out.
+//! little farther inside belongs to a wall that stands on the neighbour, and stays. So does the end of a line or a
+//! polygon of contacts that is not covered a little farther along: that of what hangs in a hole, at whose
+//! corners each side would leave it to the next. And so does what overlaps by more than rounding: there it may be
+//! the only way out.
+//! Of a mesh without neighbours the deepest contact stays whatever the rest do: the gap of what it is nearest to.
 //!
 //! Half-spaces are nobody's neighbours. Source: the Voronoi regions of features, Mirtich 1998.
 
@@ -81,22 +84,28 @@ impl Seams {
         !self.next[collider].is_empty()
     }
 
+    /// Whether a collider's own parts are the only neighbours that there are.
+    pub(crate) fn alone(&self, collider: usize) -> bool {
+        self.next[collider] == [collider]
+    }
+
     /// Whether two colliders are parts of one surface.
     pub(crate) fn join(&self, one: usize, other: usize) -> bool {
         self.surface[one] == self.surface[other]
     }
 
     /// Whether what two colliders face each other with is a neighbour's of the one on a side, for
-    /// bodies of a size.
+    /// bodies of a size; beside all that they face each other with.
     pub(crate) fn cover<G: Dimension>(
         &self,
         colliders: &[ColliderIn<G>],
         pair: [usize; 2],
         side: usize,
-        facing: &Facing<G::Vector>,
+        (facing, all): (usize, &[Facing<G::Vector>]),
         normal: &G::Vector,
         size: f64,
     ) -> bool {
+        let facing = &all[facing];
         let (own, part) = (&colliders[pair[side]], facing.parts[side]);
         // In the axes of the carrier.
         let point = G::apply(&own.place, &facing.points[side]);
@@ -117,6 +126,20 @@ impl Seams {
             })
         };
         if facing.gap < -ROUNDING * size || !covered(&point) {
+            return false;
+        }
+        // Along to another contact of the same normal, where the normal is one of its own part.
+        let goes_on = |other: &Facing<G::Vector>| {
+            let same = G::dot(&other.normal, &facing.normal) > 1.0 - SHORTER;
+            let way = G::apply(&own.place, &other.points[side]) - point;
+            let width = length::<G>(&way);
+            if other.parts != facing.parts || !same || width < INSIDE * size {
+                return false;
+            }
+            let along = point + way * (INSIDE * size / width);
+            distance::<G>(own, &probe(&along)) > shorter - rounding && !covered(&along)
+        };
+        if all.iter().any(goes_on) {
             return false;
         }
         let middle = G::apply(&own.place, &G::middle(&own.shape, part));

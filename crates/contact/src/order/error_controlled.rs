@@ -408,7 +408,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             for body in 0..self.world.detector().bodies() {
                 let beyond = chord::<G>(&self.whole.q, &self.halves.q, body)?.at(2.0);
                 let q = &mut self.now.q[G::STORED * body..][..G::STORED];
-                q.copy_from_slice(&G::numbers(&beyond));
+                q.copy_from_slice(G::numbers(&beyond).as_ref());
             }
             self.now.p.add_scaled(1.0, self.halves.p.view());
             self.now.p.add_scaled(-1.0, self.whole.p.view());

@@ -75,7 +75,7 @@ pub(crate) fn between<G: Flies>(
     state.t = t;
     for body in 0..end.p.0.len() / G::FREEDOMS {
         let pose = chord::<G>(&start.q, &end.q, body)?.at(part);
-        state.q[G::STORED * body..][..G::STORED].copy_from_slice(&G::numbers(&pose));
+        state.q[G::STORED * body..][..G::STORED].copy_from_slice(G::numbers(&pose).as_ref());
     }
     if motion == Motion::Even {
         let ends = start.p.0.iter().zip(&end.p.0);

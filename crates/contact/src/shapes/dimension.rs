@@ -44,6 +44,8 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     type Space: Space + Debug;
     /// A normal, and the directions across it: one in the plane, two in space.
     type Directions: Copy + Debug + AsRef<[Self::Vector]>;
+    /// The stored numbers of a body's pose.
+    type Stored: AsRef<[f64]> + IntoIterator<Item = f64>;
     /// A body's velocity as it is stored, or the derivatives of something by its freedoms.
     type Velocity: Copy
         + Debug
@@ -147,7 +149,7 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
     fn apart(first: &Self::Motion, second: &Self::Motion) -> [f64; 2];
 
     /// The numbers of a motion, as configurations store it.
-    fn numbers(motion: &Self::Motion) -> Vec<f64>;
+    fn numbers(motion: &Self::Motion) -> Self::Stored;
 
     /// Moves bodies freely: centres straight by `h v`, and what turns keeps its spin.
     ///

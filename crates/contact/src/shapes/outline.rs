@@ -1,9 +1,10 @@
-//! A convex outline in the plane: a polygon, or a segment, which has two sides.
+//! A convex outline in the plane: a polygon, a segment, which has two sides, or a point, which has none.
 //!
 //! ```text
 //! normal of side k = -Z (x_{k+1} - x_k)/|x_{k+1} - x_k|,     Z a quarter turn to the left
 //! ```
-//! Corners counterclockwise, metres. A capsule is all points within its radius of a segment.
+//! Corners counterclockwise, metres. A capsule is all points within its radius of a segment, a disc
+//! of a point.
 
 use parry2d_f64::math::Vector;
 use parry2d_f64::shape::ConvexPolygon;
@@ -18,6 +19,11 @@ pub(crate) struct Outline {
 impl Outline {
     pub(crate) fn of(polygon: &ConvexPolygon) -> Self {
         Outline { points: polygon.points().to_vec(), normals: polygon.normals().to_vec() }
+    }
+
+    /// The origin.
+    pub(crate) fn point() -> Self {
+        Outline { points: vec![Vector::ZERO], normals: Vec::new() }
     }
 
     /// From (-half, 0) to (half, 0).

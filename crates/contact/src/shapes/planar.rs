@@ -11,7 +11,7 @@ use parry2d_f64::math::Pose;
 use stationary_calculus::{DiagonalMetric, Flat};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
-use crate::detect::planar_narrow_phase::{Manifolds, facing, facing_parts};
+use crate::detect::planar_narrow_phase::{facing, facing_parts};
 use crate::detect::ray::entrance;
 use crate::error::check_finite;
 use crate::shapes::dimension::{Answer, Closest, Facing, farthest_of_plane, sealed::Sealed};
@@ -37,12 +37,13 @@ impl Dimension for Planar {
     type Metric = DiagonalMetric<Vec<f64>>;
     type Space = Flat;
     type Directions = [Vector2<f64>; 2];
+    type Stored = [f64; 3];
     type Velocity = [f64; 3];
     type Spin = f64;
     type Frame = PlanarRotation;
     type Pose = Pose;
     type Tree = crate::detect::broad_phase::PlanarTree;
-    type Room = Manifolds;
+    type Room = ();
     type Solver = IslandSolver<Vector2<f64>, 3, 2>;
 
     const TRANSLATION: usize = 2;
@@ -158,8 +159,8 @@ impl Dimension for Planar {
         [(first.translation - second.translation).norm(), turned.abs()]
     }
 
-    fn numbers(motion: &PlanarMotion) -> Vec<f64> {
-        vec![motion.translation.x, motion.translation.y, motion.rotation.angle()]
+    fn numbers(motion: &PlanarMotion) -> [f64; 3] {
+        [motion.translation.x, motion.translation.y, motion.rotation.angle()]
     }
 
     fn advance(
@@ -203,7 +204,7 @@ impl Dimension for Planar {
         shapes: [&PlanarShape; 2],
         parts: [u32; 2],
         poses: [&Pose; 2],
-        _room: &mut Manifolds,
+        _: &mut (),
         found: &mut Vec<Facing<Vector2<f64>>>,
     ) -> Option<Closest<Vector2<f64>>> {
         use parry2d_f64::query::{ClosestPoints, closest_points};
@@ -292,13 +293,14 @@ impl Dimension for Planar {
             // Of a capsule the two long sides, and its ends as planes: the discs there follow.
             let (points, normals) = (core.points(), core.normals());
             let sides = (0..normals.len()).map(|k| [points[k] + normals[k] * round, normals[k]]);
-            let caps = [[points[0], points[0] - points[1]], [points[1], points[1] - points[0]]];
-            let planes: Vec<_> = match round > 0.0 {
-                true => sides.chain(caps).collect(),
-                false => sides.collect(),
+            let planes: Vec<_> = match points {
+                [from, to] => sides.chain([[*from, *from - *to], [*to, *to - *from]]).collect(),
+                _ => sides.collect(),
             };
             let cut = planes.iter().map(|[a, n]| [n.dot(d), n.dot(o - *a)]);
-            if let Some((t, face)) = entrance(cut, longest) {
+            if points.len() > 1
+                && let Some((t, face)) = entrance(cut, longest)
+            {
                 let normal = |k: usize| planar_convert::from_vector(planes[k][1]).normalize();
                 offer(t, face.map(normal));
             }
@@ -324,10 +326,10 @@ impl Dimension for Planar {
         shapes: [&PlanarShape; 2],
         poses: [&Pose; 2],
         margin: f64,
-        room: &mut Manifolds,
+        _: &mut (),
         found: &mut Vec<Facing<Vector2<f64>>>,
     ) -> Answer {
-        facing(shapes, &poses[0].inv_mul(poses[1]), margin, room, found)
+        facing(shapes, &poses[0].inv_mul(poses[1]), margin, found)
     }
 }
 

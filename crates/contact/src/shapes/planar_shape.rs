@@ -30,7 +30,7 @@ pub struct PlanarShape {
     geometry: SharedShape,
     /// The convex pieces of what has corners, counterclockwise.
     pieces: Vec<ConvexPolygon>,
-    /// The outlines of the pieces; of a capsule, its segment.
+    /// The outlines of the pieces; of a capsule its segment, of a disc its centre.
     cores: Vec<Outline>,
     /// How far the shape reaches beyond its outlines, m.
     rounding: f64,
@@ -50,7 +50,7 @@ impl PlanarShape {
     /// [`ContactError::Length`] unless the radius is positive and finite.
     pub fn disc(radius: f64) -> Result<Self, ContactError> {
         check_length("disc", "radius", radius)?;
-        Ok(Self::without_corners(SharedShape::ball(radius), "disc"))
+        Ok(Self::round(SharedShape::ball(radius), Outline::point(), radius, "disc"))
     }
 
     /// All points within a radius of the segment from (-a, 0) to (a, 0), `a` the half length.
@@ -61,13 +61,12 @@ impl PlanarShape {
         check_length("capsule", "half length", half_length)?;
         check_length("capsule", "radius", radius)?;
         let geometry = SharedShape::capsule_x(half_length, radius);
-        let cores = vec![Outline::segment(half_length)];
-        Ok(PlanarShape { cores, rounding: radius, ..Self::without_corners(geometry, "capsule") })
+        Ok(Self::round(geometry, Outline::segment(half_length), radius, "capsule"))
     }
 
-    fn without_corners(geometry: SharedShape, name: &'static str) -> Self {
-        let (pieces, cores) = (Vec::new(), Vec::new());
-        PlanarShape { geometry, pieces, cores, rounding: 0.0, name }
+    fn round(geometry: SharedShape, core: Outline, radius: f64, name: &'static str) -> Self {
+        let (pieces, cores) = (Vec::new(), vec![core]);
+        PlanarShape { geometry, pieces, cores, rounding: radius, name }
     }
 
     fn with_corners(geometry: SharedShape, pieces: Vec<ConvexPolygon>, name: &'static str) -> Self {
@@ -131,7 +130,8 @@ impl PlanarShape {
         check_finite("the normal of a half-plane", normal.as_slice())?;
         check_length("half-plane", "normal", normal.norm())?;
         let geometry = SharedShape::new(HalfSpace::new(vector(&normal.normalize())));
-        Ok(Self::without_corners(geometry, "half-plane"))
+        let (pieces, cores) = (Vec::new(), Vec::new());
+        Ok(PlanarShape { geometry, pieces, cores, rounding: 0.0, name: "half-plane" })
     }
 
     /// What it is, in a word.

@@ -14,6 +14,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub(crate) struct Face {
     pub(crate) normal: Vector3<f64>,
+    /// The corner that reaches farthest along the normal: one of its own, but for rounding.
+    pub(crate) highest: usize,
     pub(crate) first: usize,
     pub(crate) count: usize,
 }
@@ -117,7 +119,9 @@ impl Polytope {
             if at != start {
                 return None;
             }
-            faces.push(Face { normal, first, count: loops.len() - first });
+            let along = |k: &usize| normal.dot(&corners[*k]);
+            let highest = (0..corners.len()).max_by(|j, k| along(j).total_cmp(&along(k)))?;
+            faces.push(Face { normal, highest, first, count: loops.len() - first });
         }
         let side_of: BTreeMap<[usize; 2], usize> = (0..faces.len())
             .flat_map(|f| {
@@ -137,7 +141,7 @@ impl Polytope {
 
     /// A triangle: two faces that look away from each other.
     pub(crate) fn triangle() -> Self {
-        let face = |k: usize| Face { normal: Vector3::zeros(), first: 3 * k, count: 3 };
+        let face = |k: usize| Face { normal: Vector3::zeros(), highest: 0, first: 3 * k, count: 3 };
         let edge = |corners: [usize; 2]| Edge { corners, faces: [0, 1] };
         Polytope {
             corners: vec![Vector3::zeros(); 3],

@@ -223,6 +223,11 @@ impl Shape {
         self.solid().filter(|_| self.polytope.is_none() && self.name != "ball")
     }
 
+    /// Its radius, where it is a ball.
+    pub(crate) fn ball_radius(&self) -> Option<f64> {
+        self.solid().filter(|_| self.name == "ball").map(|solid| solid.rounding)
+    }
+
     /// A box of the world that holds it.
     pub(crate) fn aabb(&self, pose: &Pose) -> Aabb {
         let hull = self.solid().filter(|_| self.geometry.as_convex_polyhedron().is_some());

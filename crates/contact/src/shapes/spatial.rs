@@ -44,6 +44,7 @@ impl Dimension for Spatial {
     type Metric = BodyMetric<Poses>;
     type Space = Poses;
     type Directions = [Vector3<f64>; 3];
+    type Stored = [f64; 7];
     type Velocity = [f64; 6];
     type Spin = Vector3<f64>;
     type Frame = Matrix3<f64>;
@@ -179,9 +180,9 @@ impl Dimension for Spatial {
         [(first.translation - second.translation).norm(), 2.0 * turned.sqrt()]
     }
 
-    fn numbers(motion: &RigidMotion) -> Vec<f64> {
-        let t = motion.translation;
-        [t.x, t.y, t.z].into_iter().chain(motion.rotation.quaternion()).collect()
+    fn numbers(motion: &RigidMotion) -> [f64; 7] {
+        let (t, [w, x, y, z]) = (motion.translation, motion.rotation.quaternion());
+        [t.x, t.y, t.z, w, x, y, z]
     }
 
     fn advance(

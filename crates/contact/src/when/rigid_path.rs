@@ -38,7 +38,7 @@ impl<G: Dimension> RigidPathIn<G> {
     /// [`ContactError::NonFinite`] for a start, a way or a turn that is not finite.
     pub fn straight(start: G::Motion, way: G::Vector, turn: G::Spin) -> Result<Self, ContactError> {
         let rates = G::join(&G::frame(&G::Motion::identity()), &way, &turn);
-        check_finite("the pose of a path", &G::numbers(&start))?;
+        check_finite("the pose of a path", G::numbers(&start).as_ref())?;
         check_finite("the way and the turn of a path", rates.as_ref())?;
         Ok(RigidPathIn { start, rates, way, turn })
     }

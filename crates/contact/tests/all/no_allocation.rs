@@ -86,3 +86,21 @@ fn what_could_bounce_and_does_not_takes_no_memory() {
     let used = measure(|| calm = run(20)).count_total;
     assert_eq!((used, calm), (0, true));
 }
+
+/// Boxes at rest that are stepped by impacts at their instant: each step takes contact steps.
+#[test]
+fn rest_between_instants_of_impact_takes_no_memory() {
+    let boxes = columns_of_boxes(1, 2).unwrap();
+    let detector = detector_with(2, 0.5);
+    let mut bodies =
+        EventDriven::<Spatial, _>::new(boxes.system.clone(), detector, FlightOrder::Second, 2e-3)
+            .unwrap();
+    let mut state = boxes.state.clone();
+    let mut run = |steps: usize| -> usize {
+        (0..steps).map(|_| bodies.step(&mut state, 1e-2).unwrap().contact_steps).sum()
+    };
+    run(20);
+    let mut steps = 0;
+    let used = measure(|| steps = run(20)).count_total;
+    assert!(used == 0 && steps >= 100, "{used} {steps}");
+}

@@ -107,6 +107,50 @@ fn from_edge(x: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
     (x - a - (b - a) * along).norm()
 }
 
+/// A box of half sizes a and b: how far outside of it a point of its own axes is, negative inside.
+fn outside([a, b]: [f64; 2], x: &Vector2<f64>) -> f64 {
+    let off = Vector2::new(x.x.abs() - a, x.y.abs() - b);
+    let over = Vector2::new(off.x.max(0.0), off.y.max(0.0));
+    if off.max() < 0.0 { off.max() } else { over.norm() }
+}
+
+#[test]
+fn a_disc_beside_a_box_a_thousand_times_smaller_or_thinner_has_the_gap_of_the_closed_form() {
+    let mut random = SplitMix64::new(27);
+    for half in [[1e-3_f64, 1e-3], [1.0, 1e-4], [1e-4, 1.0], [0.3, 0.2]] {
+        for k in 0..2000 {
+            let place = PlanarMotion {
+                translation: Vector2::new(random.symmetric(), random.symmetric()),
+                rotation: PlanarRotation::exp(3.0 * random.symmetric()),
+            };
+            // The centre on the border or near to it, or as far off as the box is wide.
+            let scale = [0.0, 1e-15, 1e-9, 1.0][k % 4] * half[0].min(half[1]);
+            let mut own = Vector2::new(half[0] * random.symmetric(), half[1]);
+            own.y += scale * random.symmetric();
+            if k % 3 == 0 {
+                own.x = half[0] + scale * random.symmetric();
+            }
+            let centre = place.apply(&own);
+            let colliders = vec![
+                PlanarCollider::fixed(place, PlanarShape::cuboid(half).unwrap()),
+                PlanarCollider::on_body(0, PlanarShape::disc(1.0).unwrap()),
+            ];
+            let mut detector = PlanarDetector::new(colliders, 1).unwrap();
+            let found = detector.detect(&[centre.x, centre.y, 0.4], 3.0).unwrap();
+            let [contact] = found else { panic!("{} points", found.len()) };
+            let gap = outside(half, &own) - 1.0;
+            assert!((contact.gap - gap).abs() < 1e-13, "{half:?} {own:?}: {} {gap}", contact.gap);
+            let normal = place.inverse().rotation.rotate(&contact.normal);
+            // Along the normal the centre is as far outside as the gap says; of a short way to a corner the
+            // direction is rounded.
+            let reach = half[0] * normal.x.abs() + half[1] * normal.y.abs();
+            let short = (own.dot(&normal) - reach - gap - 1.0).min(0.0);
+            let rounding = 1e-13 + 1e-15 / (gap + 1.0).abs().max(1e-13);
+            assert!(-short < rounding, "{half:?} {own:?}: {normal:?}");
+        }
+    }
+}
+
 #[test]
 fn the_gap_of_polygons_that_are_apart_is_the_least_distance_of_their_corners_and_edges() {
     let mut random = SplitMix64::new(9);

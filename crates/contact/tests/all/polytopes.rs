@@ -267,3 +267,62 @@ fn hulls_of_very_many_edges_lie_on_each_other_by_many_corners() {
         }
     }
 }
+
+#[test]
+fn a_ball_faces_the_closest_place_of_what_has_flat_faces_wherever_its_centre_is() {
+    let mut random = SplitMix64::new(27);
+    let half = [0.4, 0.3, 1e-4];
+    let corners: Vec<V> = (0..8)
+        .map(|k| V::from_fn(|c, _| if k >> c & 1 == 0 { half[c] } else { -half[c] }))
+        .collect();
+    let lid: Vec<V> = corners.iter().filter(|c| c.z > 0.0).copied().collect();
+    let triangles = [[0, 1, 2], [1, 3, 2]];
+    let flat = Shape::mesh(&lid, &triangles).unwrap();
+    for (shape, thick) in [
+        (Shape::cuboid(half).unwrap(), true),
+        (Shape::convex(&corners).unwrap(), true),
+        (flat, false),
+    ] {
+        for k in 0..2000 {
+            let place = RigidMotion {
+                translation: random_vector(&mut random),
+                rotation: Rotation::exp(random_vector(&mut random)),
+            };
+            // The centre on a face, an edge or a corner, or near to it.
+            let near =
+                |random: &mut SplitMix64| [0.0, 1e-15, 1e-9, 0.1][k % 4] * random.symmetric();
+            let mut own = V::new(0.4 * random.symmetric(), 0.3 * random.symmetric(), 1e-4);
+            own.z += near(&mut random);
+            if k % 3 > 0 {
+                own.x = 0.4 + near(&mut random);
+            }
+            if k % 3 > 1 {
+                own.y = 0.3 + near(&mut random);
+            }
+            let colliders = vec![
+                Collider::fixed(place, shape.clone()),
+                Collider::on_body(0, Shape::ball(1.0).unwrap()),
+            ];
+            let mut detector = Detector::new(colliders, 1).unwrap();
+            let rotation = Rotation::exp(random_vector(&mut random));
+            let q = configuration(&[RigidMotion { translation: place.apply(&own), rotation }]);
+            let found = detector.detect(&q, 3.0).unwrap();
+            let least = found.iter().min_by(|a, b| a.gap.total_cmp(&b.gap)).unwrap();
+            let off = V::from_fn(|c, _| own[c].abs() - half[c]);
+            let over = off.map(|x| x.max(0.0));
+            let sheet = V::new(over.x, over.y, own.z - half[2]).norm();
+            let solid = if off.max() < 0.0 { off.max() } else { over.norm() };
+            let distance = if thick { solid } else { sheet };
+            assert!((least.gap + 1.0 - distance).abs() < 2e-13, "{own:?}: {}", least.gap);
+            // Along the normal the centre is as far outside as the gap says; of a short way to a corner the
+            // direction is rounded.
+            let normal = place.rotation.inverse().rotate(&least.normal);
+            let low = if thick { -half[2] } else { half[2] };
+            let up = (half[2] * normal.z).max(low * normal.z);
+            let reach = 0.4 * normal.x.abs() + 0.3 * normal.y.abs() + up;
+            let short = (own.dot(&normal) - reach - distance).min(0.0);
+            let rounding = 2e-13 + 1e-15 / distance.abs().max(1e-13);
+            assert!(-short < rounding, "{own:?}: {normal:?}");
+        }
+    }
+}

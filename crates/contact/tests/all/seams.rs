@@ -193,3 +193,31 @@ fn what_slides_over_flat_tiles_of_the_plane_keeps_its_speed() {
     }
     assert!(failed.is_empty(), "{} lose speed: {failed:#?}", failed.len());
 }
+
+/// A flat needle of a hull lies with one corner on a corner of a sheet: every direction between both is as good, and
+/// each triangle's may lean onto the next.
+#[test]
+fn what_touches_a_corner_of_a_sheet_is_found_whatever_its_turn() {
+    let corners = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 1.0], [1.0, 1.0]];
+    let vertices = corners.map(|[x, y]| Vector3::new(x, y, 0.0));
+    let triangles = [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]];
+    let sheet =
+        Collider::fixed(RigidMotion::identity(), Shape::mesh(&vertices, &triangles).unwrap());
+    let flake = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 1e-6]];
+    let flake = Shape::convex(&flake.map(Vector3::from)).unwrap();
+    let colliders = vec![Collider::on_body(0, flake), sheet];
+    let mut detector = Detector::new(colliders, 1).unwrap();
+    for k in 0..2000 {
+        let turn = 1e-3 * f64::from(k);
+        for tilt in [0.0, 1e-3, -1e-3] {
+            let rotation =
+                Rotation::exp(Vector3::z() * turn).compose(&Rotation::exp(Vector3::x() * tilt));
+            let [w, x, y, z] = rotation.quaternion();
+            for at in vertices {
+                let q = [at.x, at.y, at.z, w, x, y, z];
+                let found = detector.detect(&q, 1e-3).unwrap();
+                assert!(!found.is_empty(), "{turn} {tilt} {at:?}");
+            }
+        }
+    }
+}

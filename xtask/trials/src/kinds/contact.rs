@@ -3,7 +3,11 @@
 mod bad_input;
 mod case;
 mod engine;
+mod exact;
+mod gaps;
 mod hull;
+mod hulls;
+mod mesh_points;
 mod planar;
 mod planar_points;
 mod points;
@@ -22,5 +26,8 @@ pub const KINDS: &[Kind] = &[
     scenes::ROLLING,
     points::KIND,
     planar_points::KIND,
+    mesh_points::KIND,
+    gaps::SPATIAL,
+    gaps::PLANAR,
     bad_input::KIND,
 ];

@@ -34,14 +34,37 @@ pub(super) const KIND: Kind = Kind {
 type V = Vector3<f64>;
 
 /// A drawn pair.
-struct Pair {
-    forms: [Form; 2],
-    poses: [RigidMotion; 2],
-    margin: f64,
+pub(super) struct Pair {
+    pub(super) forms: [Form; 2],
+    pub(super) poses: [RigidMotion; 2],
+    pub(super) margin: f64,
     size: f64,
 }
 
-fn form(draw: &mut Draw, size: f64) -> Form {
+/// Which form.
+#[derive(Clone, Copy)]
+pub(super) enum Which {
+    Box,
+    Ball,
+    Capsule,
+    Cylinder,
+    Cone,
+    Ellipsoid,
+    Hull,
+}
+
+const ALL: [Which; 7] = [
+    Which::Box,
+    Which::Ball,
+    Which::Capsule,
+    Which::Cylinder,
+    Which::Cone,
+    Which::Ellipsoid,
+    Which::Hull,
+];
+
+/// One of these forms.
+pub(super) fn form(draw: &mut Draw, size: f64, of: &[Which]) -> Form {
     let thin = match draw.below(4) {
         0 => draw.log_uniform(1e-4, 1.0),
         _ => draw.uniform(0.3, 1.0),
@@ -49,14 +72,14 @@ fn form(draw: &mut Draw, size: f64) -> Form {
     let short = size * thin;
     let swap = draw.chance(0.5);
     let (a, b) = if swap { (short, size) } else { (size, short) };
-    match draw.below(7) {
-        0 => Form::Box([size, draw.one_of(&[short, size]), short]),
-        1 => Form::Ball(size),
-        2 => Form::Capsule(a, b),
-        3 => Form::Cylinder(a, b),
-        4 => Form::Cone(a, b),
-        5 => Form::Ellipsoid([size, draw.one_of(&[short, size]), short]),
-        _ => {
+    match draw.one_of(of) {
+        Which::Box => Form::Box([size, draw.one_of(&[short, size]), short]),
+        Which::Ball => Form::Ball(size),
+        Which::Capsule => Form::Capsule(a, b),
+        Which::Cylinder => Form::Cylinder(a, b),
+        Which::Cone => Form::Cone(a, b),
+        Which::Ellipsoid => Form::Ellipsoid([size, draw.one_of(&[short, size]), short]),
+        Which::Hull => {
             let count = draw.between(4, 9);
             let scale = [size, size, short];
             let corner = |draw: &mut Draw| scale.map(|s| s * draw.symmetric());
@@ -68,7 +91,7 @@ fn form(draw: &mut Draw, size: f64) -> Form {
     }
 }
 
-fn rotation(draw: &mut Draw) -> Rotation {
+pub(super) fn rotation(draw: &mut Draw) -> Rotation {
     let any =
         |draw: &mut Draw, most: f64| Rotation::exp(V::from_fn(|_, _| most * draw.symmetric()));
     if draw.chance(0.4) {
@@ -89,12 +112,17 @@ fn rotation(draw: &mut Draw) -> Rotation {
 
 fn drawn(draw: &mut Draw) -> Pair {
     let size = draw.log_uniform(1e-6, 1e6);
-    let first = form(draw, size);
+    let first = form(draw, size, &ALL);
     let ratio = if draw.chance(0.3) { draw.log_uniform(1e-2, 1.0) } else { 1.0 };
     let floor = draw.chance(0.15);
-    let second = if floor { Form::Floor } else { form(draw, size * ratio) };
+    let second = if floor { Form::Floor } else { form(draw, size * ratio, &ALL) };
+    placed(draw, [first, second], size)
+}
+
+/// Two forms, the first of this size, placed beside each other.
+pub(super) fn placed(draw: &mut Draw, forms: [Form; 2], size: f64) -> Pair {
+    let floor = matches!(forms[1], Form::Floor);
     let turns = [rotation(draw), if floor { Rotation::identity() } else { rotation(draw) }];
-    let forms = [first, second];
     // Along a direction they are placed at a gap, and shifted across it.
     let n = match draw.below(3) {
         0 => V::z(),
@@ -138,7 +166,7 @@ fn drawn(draw: &mut Draw) -> Pair {
     Pair { forms, poses, margin, size }
 }
 
-fn shape(form: &Form) -> Result<Shape, ContactError> {
+pub(super) fn shape(form: &Form) -> Result<Shape, ContactError> {
     match form {
         Form::Ball(r) => Shape::ball(*r),
         Form::Capsule(a, r) => Shape::capsule(*a, *r),
@@ -153,7 +181,7 @@ fn shape(form: &Form) -> Result<Shape, ContactError> {
     }
 }
 
-fn configuration(poses: &[RigidMotion]) -> Vec<f64> {
+pub(super) fn configuration(poses: &[RigidMotion]) -> Vec<f64> {
     let numbers = |pose: &RigidMotion| {
         let t = pose.translation;
         [t.x, t.y, t.z].into_iter().chain(pose.rotation.quaternion())

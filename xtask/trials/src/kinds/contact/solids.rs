@@ -154,7 +154,7 @@ impl Form {
         }
     }
 
-    fn corners(&self) -> Vec<[f64; 3]> {
+    pub(super) fn corners(&self) -> Vec<[f64; 3]> {
         match self {
             Form::Box(half) => (0..8)
                 .map(|k| [0, 1, 2].map(|c| if k >> c & 1 == 0 { half[c] } else { -half[c] }))
