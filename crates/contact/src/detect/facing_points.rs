@@ -23,7 +23,8 @@ const LEVEL: f64 = 1e-9;
 const ZERO: f64 = 1e-15;
 /// Points that are across a separation to this part of the sizes face each other.
 const MET: f64 = 1e-13;
-/// Circles at a larger sine to the direction have one farthest point, to rounding.
+/// Circles at a larger sine to the direction have one farthest point, to rounding; at a smaller one all of the disc
+/// may be met, or that point.
 const TILTED: f64 = 1e-2;
 /// Points that join at most.
 const ROUNDS: usize = 60;
@@ -88,10 +89,18 @@ pub(crate) fn facing_points(solids: [&Placed; 2], direction: &Direction) -> Faci
 /// Points of what reaches farthest along a direction, as far from being across a separation as need be.
 fn across(solids: [&Placed; 2], n: V, separation: f64, scale: f64) -> Facing {
     let [a, b] = solids;
-    let ends = [ends_of(a, &n, LEVEL * scale), ends_of(b, &-n, LEVEL * scale)];
-    let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
-    let off = (points[1] - points[0] - n * separation).norm();
-    Facing { separation, normal: n, points, off }
+    let facing = |tilted: f64| {
+        let ends = [ends_of(a, &n, LEVEL * scale, tilted), ends_of(b, &-n, LEVEL * scale, tilted)];
+        let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
+        let off = (points[1] - points[0] - n * separation).norm();
+        Facing { separation, normal: n, points, off }
+    };
+    let found = facing(TILTED);
+    if found.off <= MET * scale {
+        return found;
+    }
+    let other = facing(0.0);
+    if other.off < found.off { other } else { found }
 }
 
 /// Points of two hulls of parts whose difference is nearest to a shift, beginning along a direction.
@@ -125,12 +134,12 @@ fn nearest(parts: [&[Part]; 2], n: &V, shift: &V, scale: f64) -> [V; 2] {
     best.1
 }
 
-/// The parts of a solid that reach farthest along a direction.
-fn ends_of(solid: &Placed, n: &V, level: f64) -> Vec<Part> {
+/// The parts of a solid that reach farthest along a direction; circles that are tilted by less are whole.
+fn ends_of(solid: &Placed, n: &V, level: f64, tilted: f64) -> Vec<Part> {
     let reach = solid.farthest(n).1 - level;
     let near = solid.parts.iter().filter(|part| part.reach(n) >= reach);
     let end = |part: &Part| match part {
-        Part::Circle { axis, .. } if axis.cross(n).norm() < TILTED => *part,
+        Part::Circle { axis, .. } if axis.cross(n).norm() < tilted => *part,
         _ => Part::Point(part.point(n)),
     };
     near.map(end).collect()
@@ -211,8 +220,10 @@ fn nearest_of_plane(members: &[Member]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parry3d_f64::math::Pose;
+    use parry3d_f64::math::{Pose, Rotation, Vector};
+    use stationary_measure::SplitMix64;
 
+    use crate::shapes::polytope::Polytope;
     use crate::shapes::solid::Solid;
 
     #[test]
@@ -242,6 +253,42 @@ mod tests {
                 let tolerance = 1e-12 + 2.0 * tilt;
                 assert!(on_disc && on_edge && off < tolerance, "{tilt:e} {across} {off:e}");
             }
+        }
+    }
+
+    /// Where edges, rims and sides meet on a curve, the top along it is found to rounding, however deep they overlap.
+    #[test]
+    fn points_of_two_solids_that_overlap_anywhere_face_each_other() {
+        let mut random = SplitMix64::new(5);
+        let shape = |random: &mut SplitMix64| {
+            let mut uniform = || 0.5 * (random.symmetric() + 1.0);
+            let thin =
+                if uniform() < 0.25 { 1e-4_f64.powf(uniform()) } else { 0.3 + 0.7 * uniform() };
+            let (a, b) = if uniform() < 0.5 { (1.0, thin) } else { (thin, 1.0) };
+            match (4.0 * uniform()) as usize {
+                0 => Solid::cylinder(a, b),
+                1 => Solid::polytope(&Polytope::cuboid([a, b, 1.0]).unwrap()),
+                2 => Solid::ellipsoid([a, b, 1.0]),
+                _ => Solid::cone(a, b),
+            }
+        };
+        let mut met = 0;
+        while met < 3_000 {
+            let solids = [shape(&mut random), shape(&mut random)];
+            let mut vector =
+                |size: f64| Vector::new(0.0, 0.0, 0.0).map(|_| size * random.symmetric());
+            let turned = Rotation::from_scaled_axis(vector(3.0));
+            let pose = Pose { rotation: turned, translation: vector(1.2) };
+            let mut placed = [Placed::default(), Placed::default()];
+            solids[0].place(&Pose::IDENTITY, &mut placed[0]);
+            solids[1].place(&pose, &mut placed[1]);
+            let [a, b] = &placed;
+            let Some(direction) = separate([a, b], 0.0) else { continue };
+            met += 1;
+            let Facing { points: [x1, x2], normal, separation, .. } =
+                facing_points([a, b], &direction);
+            let off = (x2 - x1 - normal * separation).norm();
+            assert!(off < 1e-10 * (a.size + b.size), "{met}: {off:e} of {a:?} {b:?}");
         }
     }
 }

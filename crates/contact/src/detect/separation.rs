@@ -10,7 +10,7 @@
 //! not hold. `l` the weights of the pairs that meet at the maximum; there `x2 - x1 = s n`, so that
 //! solids that are apart have their closest points and no other maximum. Solids that overlap may have
 //! several: each face and axis is tried, and the best ones are followed. Near the maximum the
-//! iteration is Newton's. Source: Gilbert, Johnson and Keerthi 1988 for the parts that are kept;
+//! iteration is Newton's, along the curve on which pairs meet as well: each step is brought back onto it. Source: Gilbert, Johnson and Keerthi 1988 for the parts that are kept;
 //! Hiriart-Urruty and Lemarechal 1993, chapter XV for the model.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -286,6 +286,9 @@ impl Search<'_> {
         let tiny = ROUNDING * self.scale;
         let mut n = start.normalize();
         let mut value = self.value(&n);
+        if std::env::var("TR").is_ok() {
+            eprintln!("start {start:?}");
+        }
         let (mut last, mut converged) = (f64::INFINITY, false);
         let mut cuts = vec![self.cut(&n, &across(&n), self.parts(&n), 1.0)];
         for _ in 0..ITERATIONS {
@@ -293,11 +296,25 @@ impl Search<'_> {
             for cut in &mut cuts {
                 *cut = self.cut(&n, &basis, cut.parts, cut.weight);
             }
-            let bend = self.bend(&n, &basis, &cuts);
-            let Some((d, used, promised)) = maximize(&cuts, &bend, bound) else { break };
-            weigh(&mut cuts, &used, &d, &bend);
-            let next = (n + basis[0] * d.x + basis[1] * d.y).normalize();
-            let there = self.value(&next);
+            let own = self.bend(&n, &basis, &cuts);
+            let bends = Bends { own, model: negative(own, self.scale) };
+            let Some((d, used, promised)) = maximize(&cuts, &bends, bound) else { break };
+            // Cuts that meet above the least one say nothing of how the value bends.
+            if d.norm() < SMALL && used.iter().any(|&k| cuts[k].value > value + SMALL * self.scale)
+            {
+                let least = self.parts(&n);
+                cuts.iter_mut().for_each(|cut| cut.weight = f64::from(cut.parts == least));
+                continue;
+            }
+            weigh(&mut cuts, &used, &d, &bends.model);
+            let mut next = (n + basis[0] * d.x + basis[1] * d.y).normalize();
+            let mut there = self.value(&next);
+            if let Some(level) = self.levelled(&next, &cuts, &used) {
+                let value = self.value(&level);
+                if value > there {
+                    (next, there) = (level, value);
+                }
+            }
             let turn = d.norm();
             let farthest = self.parts(&next);
             let known = cuts.iter().any(|cut| cut.parts == farthest);
@@ -310,6 +327,13 @@ impl Search<'_> {
                 value = value.max(there);
             } else {
                 bound = if known { 0.3 * turn.min(bound) } else { 0.8 * bound };
+            }
+            if std::env::var("TR").is_ok() {
+                eprintln!(
+                    "value {value:.17e} there {there:.17e} turn {turn:.2e} bound {bound:.1e} used {used:?} known {known} small {small} promised-value {:.2e} parts {farthest:?} ncuts {}",
+                    promised - value,
+                    cuts.len()
+                );
             }
             let ends = small && (promised - value).abs() <= tiny && turn < 0.9 * bound;
             if ends {
@@ -333,7 +357,29 @@ impl Search<'_> {
         Top { value: self.value(&n), normal: n, converged }
     }
 
-    /// The second derivative along turns of the cuts by their weights, negative definite.
+    /// The direction near another where cuts that are to meet do: where they meet is curved, and a straight turn
+    /// along it falls beside it.
+    fn levelled(&self, n: &V, cuts: &[Cut], used: &[usize]) -> Option<V> {
+        let basis = across(n);
+        let cut = |k: usize| self.cut(n, &basis, cuts[k].parts, 0.0);
+        let turn = match *used {
+            [i, j] => {
+                let (one, other) = (cut(i), cut(j));
+                let off = other.slope - one.slope;
+                off * ((one.value - other.value) / off.norm_squared())
+            }
+            [i, j, k] => {
+                let (one, others) = (cut(i), [cut(j), cut(k)]);
+                let off = others.map(|other| (other.slope - one.slope).transpose());
+                let step = others.map(|other| one.value - other.value);
+                Matrix2::from_rows(&off).try_inverse()? * Vector2::from(step)
+            }
+            _ => return None,
+        };
+        (n + basis[0] * turn.x + basis[1] * turn.y).try_normalize(0.0)
+    }
+
+    /// The second derivative along turns of the cuts by their weights.
     fn bend(&self, n: &V, basis: &[V; 2], cuts: &[Cut]) -> Matrix2<f64> {
         let [a, b] = self.solids;
         let mut sum = Matrix3::zeros();
@@ -344,17 +390,27 @@ impl Search<'_> {
             height += cut.value * cut.weight;
         }
         let at = |i: usize, j: usize| basis[i].dot(&(sum * basis[j]));
-        let mut bend = -Matrix2::new(at(0, 0) + height, at(0, 1), at(1, 0), at(1, 1) + height);
-        let (mean, half) = (0.5 * bend.trace(), 0.5 * (bend.m11 - bend.m22));
-        let largest = mean + half.hypot(bend.m12);
-        let least = -1e-9 * self.scale;
-        if largest > least {
-            let shift = largest - least;
-            bend.m11 -= shift;
-            bend.m22 -= shift;
-        }
-        bend
+        -Matrix2::new(at(0, 0) + height, at(0, 1), at(1, 0), at(1, 1) + height)
     }
+}
+
+/// A second derivative, and a negative definite one for a model that has a largest value.
+struct Bends {
+    own: Matrix2<f64>,
+    model: Matrix2<f64>,
+}
+
+/// A second derivative, shifted where it is not negative definite.
+fn negative(mut bend: Matrix2<f64>, scale: f64) -> Matrix2<f64> {
+    let (mean, half) = (0.5 * bend.trace(), 0.5 * (bend.m11 - bend.m22));
+    let largest = mean + half.hypot(bend.m12);
+    let least = -1e-9 * scale;
+    if largest > least {
+        let shift = largest - least;
+        bend.m11 -= shift;
+        bend.m22 -= shift;
+    }
+    bend
 }
 
 /// Weights that are negative by less are zero: rounding.
@@ -364,11 +420,8 @@ const MOST: usize = 8;
 
 /// The turn within a bound that maximizes the least of the models, which of them meet there, and the
 /// value there.
-fn maximize(
-    cuts: &[Cut],
-    bend: &Matrix2<f64>,
-    bound: f64,
-) -> Option<(Vector2<f64>, Vec<usize>, f64)> {
+fn maximize(cuts: &[Cut], bends: &Bends, bound: f64) -> Option<(Vector2<f64>, Vec<usize>, f64)> {
+    let bend = &bends.model;
     let inverse = bend.try_inverse()?;
     let value = |d: &Vector2<f64>| {
         let least = cuts.iter().map(|c| c.value + c.slope.dot(d)).fold(f64::INFINITY, f64::min);
@@ -397,6 +450,9 @@ fn maximize(
             }
             let foot = off * (-step / square);
             let along = Vector2::new(-off.y, off.x) / square.sqrt();
+            // There the value has a top wherever it bends down along the line, however it bends across.
+            let own = along.dot(&(bends.own * along)) < 0.0;
+            let bend = if own { &bends.own } else { bend };
             let curve = along.dot(&(bend * along));
             let rise = along.dot(&(one.slope + bend * foot));
             let d = foot - along * (rise / curve);
