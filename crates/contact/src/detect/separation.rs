@@ -10,8 +10,9 @@
 //! not hold. `l` the weights of the pairs that meet at the maximum; there `x2 - x1 = s n`, so that
 //! solids that are apart have their closest points and no other maximum. Solids that overlap may have
 //! several: each face and axis is tried, and the best ones are followed. Near the maximum the
-//! iteration is Newton's, along the curve on which pairs meet as well: each step is brought back onto it. Source: Gilbert, Johnson and Keerthi 1988 for the parts that are kept;
-//! Hiriart-Urruty and Lemarechal 1993, chapter XV for the model.
+//! iteration is Newton's, along the curve on which pairs meet as well: each step is brought back onto it.
+//! Source: Gilbert, Johnson and Keerthi 1988 for the parts that are kept; Hiriart-Urruty and Lemarechal 1993,
+//! chapter XV for the model.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
@@ -286,9 +287,6 @@ impl Search<'_> {
         let tiny = ROUNDING * self.scale;
         let mut n = start.normalize();
         let mut value = self.value(&n);
-        if std::env::var("TR").is_ok() {
-            eprintln!("start {start:?}");
-        }
         let (mut last, mut converged) = (f64::INFINITY, false);
         let mut cuts = vec![self.cut(&n, &across(&n), self.parts(&n), 1.0)];
         for _ in 0..ITERATIONS {
@@ -327,13 +325,6 @@ impl Search<'_> {
                 value = value.max(there);
             } else {
                 bound = if known { 0.3 * turn.min(bound) } else { 0.8 * bound };
-            }
-            if std::env::var("TR").is_ok() {
-                eprintln!(
-                    "value {value:.17e} there {there:.17e} turn {turn:.2e} bound {bound:.1e} used {used:?} known {known} small {small} promised-value {:.2e} parts {farthest:?} ncuts {}",
-                    promised - value,
-                    cuts.len()
-                );
             }
             let ends = small && (promised - value).abs() <= tiny && turn < 0.9 * bound;
             if ends {
