@@ -17,6 +17,8 @@ pub(crate) mod polytope_corners;
 #[cfg(feature = "3d")]
 pub(crate) mod polytopes;
 #[cfg(feature = "3d")]
+pub(crate) mod cut_model;
+#[cfg(feature = "3d")]
 pub(crate) mod separation;
 #[cfg(feature = "3d")]
 pub(crate) mod facing_points;
