@@ -291,4 +291,30 @@ mod tests {
             assert!(off < 1e-10 * (a.size + b.size), "{met}: {off:e} of {a:?} {b:?}");
         }
     }
+
+    /// The tip of a cone in a small one: along the curve on which its rim and its tip reach as far, a straight turn
+    /// falls beside it by more than it gains.
+    #[test]
+    fn a_cone_faces_what_its_tip_is_in_although_its_rim_is_far() {
+        let pose = |[x, y, z]: [f64; 3], [w, i, j, k]: [f64; 4]| Pose {
+            rotation: Rotation::from_xyzw(i, j, k, w).normalize(),
+            translation: Vector::new(x, y, z),
+        };
+        let large = pose(
+            [0.05227302539869844, 0.038928766502992936, -7.759825607522511],
+            [0.9579922069967443, 0.0, 0.0, -0.28679423169496876],
+        );
+        let small = pose(
+            [0.0; 3],
+            [0.20953157608841946, 0.5096172638461857, 0.3703181940081275, 0.7478309957459566],
+        );
+        let (mut a, mut b) = (Placed::default(), Placed::default());
+        Solid::cone(9.882599231122018, 16.24920089504104).place(&Pose::IDENTITY, &mut a);
+        Solid::cone(0.13093740910092988, 0.37238163802022145).place(&large.inv_mul(&small), &mut b);
+        let direction = separate([&a, &b], 0.0).unwrap();
+        let Facing { points: [x1, x2], normal, separation, .. } =
+            facing_points([&a, &b], &direction);
+        let off = (x2 - x1 - normal * separation).norm();
+        assert!(off < 1e-13 * (a.size + b.size), "{off:e}");
+    }
 }
