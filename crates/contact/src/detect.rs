@@ -23,6 +23,8 @@ pub(crate) mod separation;
 #[cfg(feature = "3d")]
 pub(crate) mod facing_points;
 #[cfg(feature = "3d")]
+pub(crate) mod flush;
+#[cfg(feature = "3d")]
 pub(crate) mod round_contacts;
 #[cfg(feature = "3d")]
 pub(crate) mod narrow_phase;

@@ -390,12 +390,14 @@ impl<G: Dimension> DetectorIn<G> {
                 let normal = G::turn(&seen, &outwards);
                 seams.cover(colliders, pair, side, (k, facing), &normal, size)
             }));
-            // Of one mesh the deepest is nobody else's: where many directions are as good, none may seem its own.
-            let deepest =
-                || (0..facing.len()).min_by(|&j, &k| facing[j].gap.total_cmp(&facing[k].gap));
+            // Of one mesh the least gap is nobody else's: where many directions are as good, each part may choose
+            // one that seems a neighbour's.
+            let gaps = || facing.iter().map(|facing| facing.gap).zip(&*covered).enumerate();
+            let least = gaps().min_by(|(_, (g, _)), (_, (h, _))| g.total_cmp(h));
             if seams.alone(pair[side])
-                && covered.iter().all(|&covered| covered)
-                && let Some(deepest) = deepest()
+                && let Some((deepest, (least, true))) = least
+                && let as_deep = least + (-least).max(AS_DEEP * size)
+                && !gaps().any(|(_, (gap, &covered))| !covered && gap <= as_deep)
             {
                 covered[deepest] = false;
             }
@@ -458,6 +460,8 @@ fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> Vec<f64> {
 /// Points closer to each other than this part of the bodies' radii are one: a corner that meets a
 /// corner is found from both sides.
 const COINCIDENT: f64 = 1e-7;
+/// Gaps within this part of the size are as large.
+const AS_DEEP: f64 = 1e-12;
 
 #[inline]
 fn coincide<G: Dimension>(a: &ContactIn<G>, b: &ContactIn<G>, near: f64) -> bool {

@@ -12,7 +12,7 @@
 
 use nalgebra::Vector3;
 
-use crate::detect::separation::{Direction, separate};
+use crate::detect::separation::{Direction, MET, direction_near, separate};
 use crate::shapes::solid::{Part, Placed};
 
 type V = Vector3<f64>;
@@ -21,8 +21,6 @@ type V = Vector3<f64>;
 const LEVEL: f64 = 1e-9;
 /// Distances below this part of the sizes are zero.
 const ZERO: f64 = 1e-15;
-/// Points that are across a separation to this part of the sizes face each other.
-const MET: f64 = 1e-13;
 /// Circles at a larger sine to the direction have one farthest point, to rounding; at a smaller one all of the disc
 /// may be met, or that point.
 const TILTED: f64 = 1e-2;
@@ -66,24 +64,41 @@ pub(crate) fn facing_points(solids: [&Placed; 2], direction: &Direction) -> Faci
     let [a, b] = solids;
     let scale = a.size + b.size + (b.centre - a.centre).norm();
     let n = direction.normal;
-    let mut found = across(solids, n, direction.gap + a.rounding + b.rounding, scale);
+    let along = |n: &V| -b.farthest(&-n).1 - a.farthest(n).1;
+    let separation = direction.gap + a.rounding + b.rounding;
+    if let Some(points) = direction.met {
+        return Facing { separation, normal: n, points, off: MET * scale };
+    }
+    let mut found = across(solids, n, separation, scale);
     if found.off <= MET * scale {
         return found;
     }
+    let mut start = direction.beside_face.unwrap_or(n);
     if let Some(n) = direction.beside_face {
-        let other = across(solids, n, -b.farthest(&-n).1 - a.farthest(&n).1, scale);
+        let other = across(solids, n, along(&n), scale);
         found = if other.off < found.off { other } else { found };
     }
-    if found.off <= MET * scale || found.separation <= 0.0 {
-        return found;
+    let better = |one: &Facing, other: &Facing| {
+        one.separation >= other.separation - MET * scale && one.off < other.off
+    };
+    if found.separation > 0.0 && found.off > MET * scale {
+        let points = nearest([&a.parts, &b.parts], &n, &V::zeros(), scale);
+        let way = points[1] - points[0];
+        if let Some(normal) = way.try_normalize(ZERO * scale) {
+            let separation = along(&normal);
+            let off = (way - normal * separation).norm();
+            let primal = Facing { separation, normal, points, off };
+            start = normal;
+            found = if better(&primal, &found) { primal } else { found };
+        }
     }
-    let points = nearest([&a.parts, &b.parts], &n, &V::zeros(), scale);
-    let way = points[1] - points[0];
-    let Some(normal) = way.try_normalize(ZERO * scale) else { return found };
-    let separation = -b.farthest(&-normal).1 - a.farthest(&normal).1;
-    let off = (way - normal * separation).norm();
-    let better = separation >= found.separation - ZERO * scale && off < found.off;
-    if better { Facing { separation, normal, points, off } } else { found }
+    // Of a short way rounding leaves no direction, but one from which to look for it.
+    if found.off > MET * scale {
+        let n = direction_near(solids, &start);
+        let other = across(solids, n, along(&n), scale);
+        found = if better(&other, &found) { other } else { found };
+    }
+    found
 }
 
 /// Points of what reaches farthest along a direction, as far from being across a separation as need be.
@@ -104,7 +119,7 @@ fn across(solids: [&Placed; 2], n: V, separation: f64, scale: f64) -> Facing {
 }
 
 /// Points of two hulls of parts whose difference is nearest to a shift, beginning along a direction.
-fn nearest(parts: [&[Part]; 2], n: &V, shift: &V, scale: f64) -> [V; 2] {
+pub(crate) fn nearest(parts: [&[Part]; 2], n: &V, shift: &V, scale: f64) -> [V; 2] {
     let farthest_against = |d: &V| {
         let points = [farthest(parts[0], d), farthest(parts[1], &-d)];
         Member { off: points[1] - points[0] - shift, points, weight: 0.0 }
@@ -243,7 +258,7 @@ mod tests {
                 let middle = V::new(across, 0.0, 1.5);
                 let other = edge([middle - along, middle + along]);
                 let gap = -other.farthest(&-n).1 - disc.farthest(&n).1;
-                let direction = Direction { gap, normal: n, beside_face: None };
+                let direction = Direction { gap, normal: n, beside_face: None, met: None };
                 let Facing { points: [x1, x2], normal: n, separation, .. } =
                     facing_points([&disc, &other], &direction);
                 let on_disc = x1.xy().norm() <= 2.0 + 1e-12 && (x1.z - 1.0).abs() < 1e-12;

@@ -55,7 +55,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// Pairs of edges beyond which looking at each costs more than the search for the direction between round
 /// solids.
-const EDGE_PAIRS: usize = 1 << 16;
+pub(crate) const EDGE_PAIRS: usize = 1 << 16;
 
 /// Appends where two shapes face each other.
 pub(crate) fn facing(
@@ -99,7 +99,7 @@ pub(crate) fn facing(
     {
         // The solid's box as the mesh sees it.
         let place = if side == 0 { *relative } else { relative.inverse() };
-        let near = both[1 - side].compute_aabb(&place).loosened(margin);
+        let near = shapes[1 - side].aabb(&place).loosened(margin);
         let triangle = triangle.get_or_insert_with(Polytope::triangle);
         for part in mesh.bvh().intersect_aabb(&near) {
             let corners = mesh.triangle(part);

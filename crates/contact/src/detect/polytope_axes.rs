@@ -91,18 +91,23 @@ pub(crate) fn farthest(a: Seen<'_>, b: Seen<'_>, tie: f64, margin: f64) -> Optio
     if so_far > margin {
         return None;
     }
+    // The core of a capsule has no faces: any edge may support beside it.
+    let free = a.normals.is_empty() || b.normals.is_empty();
+    let normals = |seen: &Seen<'_>, edge: Edge| {
+        edge.faces.map(|f| seen.normals.get(f).copied().unwrap_or_default())
+    };
     for &one in &a.solid.edges {
         let e1 = a.corners[one.corners[1]] - a.corners[one.corners[0]];
-        let [n1, n2] = one.faces.map(|f| a.normals[f]);
+        let [n1, n2] = normals(&a, one);
         for &other in &b.solid.edges {
-            let [m1, m2] = other.faces.map(|f| -b.normals[f]);
+            let [m1, m2] = normals(&b, other).map(|m| -m);
             let e2 = b.corners[other.corners[1]] - b.corners[other.corners[0]];
-            if !arcs_cross([n1, n2], [m1, m2]) {
+            if !free && !arcs_cross([n1, n2], [m1, m2]) {
                 continue;
             }
             let Some(across) = across_both(&e1, &e2) else { continue };
             let n = across * (n1 + n2).dot(&across).signum();
-            for n in [n, -n].into_iter().take(if n1 == -n2 { 2 } else { 1 }) {
+            for n in [n, -n].into_iter().take(if free || n1 == -n2 { 2 } else { 1 }) {
                 let here = (b.corners[other.corners[0]] - a.corners[one.corners[0]]).dot(&n);
                 // Arcs of a triangle's edge, whose sides are both outside, and arcs that end on each other's
                 // circles do not say whether edges support.

@@ -18,6 +18,8 @@ type V = Vector3<f64>;
 
 /// A way at a smaller sine to an edge lies along it.
 const LENGTHWISE: f64 = 1e-10;
+/// Points face each other along a direction that is off the way between them by this part of the sizes.
+const ACROSS: f64 = 1e-12;
 
 /// The name of an edge between two corners: a feature's name has room for 30 bits, and no solid that is
 /// looked at here has 2^15 corners (`narrow_phase.rs`).
@@ -63,7 +65,13 @@ impl Pair {
             _ => None,
         };
         let across = self.along.iter().flatten().filter_map(across);
-        let all = [way].into_iter().chain(across).chain(of_both);
+        let sizes = both[0].solid.size + both[1].solid.size;
+        // Beside the closest, what separates farther may look elsewhere.
+        let along = |n: &V| {
+            let off = self.points[1] - self.points[0];
+            (off - n * off.dot(n)).norm() <= ACROSS * sizes
+        };
+        let all = [way].into_iter().chain(across).chain(of_both).filter(along);
         all.map(|n| (n, separation(both, &n))).max_by(|x, y| x.1.total_cmp(&y.1))
     }
 }
@@ -96,6 +104,20 @@ pub(crate) fn by_corners(
             found.push(Facing { parts: [0, 0], features: pair.features, points, normal, gap });
         }
     });
+}
+
+/// The closest corners and edges of two solids, the unit direction between them along which these are farthest
+/// apart, and how far; none where they meet.
+pub(crate) fn closest(both: [Seen<'_>; 2]) -> Option<([V; 2], V, f64)> {
+    let mut closest: Option<Pair> = None;
+    for_each_corner_and_edge(both, |pair| {
+        if closest.as_ref().is_none_or(|closest| pair.distance() < closest.distance()) {
+            closest = Some(pair);
+        }
+    });
+    let closest = closest?;
+    let (normal, separation) = closest.direction(both)?;
+    Some((closest.points, normal, separation))
 }
 
 /// Each corner of one solid with the closest point of each edge of the other, and each two edges

@@ -14,11 +14,13 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 use parry3d_f64::shape::PackedFeatureId;
 
+use crate::detect::facing_points::nearest;
 use crate::detect::polytope_axes::{Seen, Source, farthest};
-use crate::detect::polytope_corners::{between, by_corners, edge_name, pair_name};
+use crate::detect::polytope_corners::{between, by_corners, closest, edge_name, pair_name};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
-use crate::shapes::polytope::Polytope;
+use crate::shapes::polytope::{Edge, Polytope};
+use crate::shapes::solid::Part;
 
 type V = Vector3<f64>;
 type Found = Vec<Facing<V>>;
@@ -134,14 +136,7 @@ pub(crate) fn facing(
             }
         }
         Source::Edges(one, other) => {
-            let [x1, x2] = between([a.corners, b.corners], [one, other]);
-            let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
-            // Along nearly parallel edges the place is rounding, across them it is not.
-            let x1 =
-                if on_edge(&x2, ends[1], BORDER * size) { x2 - n * axis.separation } else { x1 };
-            let x2 = x1 + n * axis.separation;
-            let slack = ON_EDGE * (first.size + second.size);
-            if on_edge(&x1, ends[0], slack) && on_edge(&x2, ends[1], slack) {
+            if let Some([x1, x2]) = crossing([a, b], [one, other], &n, axis.separation) {
                 least = axis.separation;
                 let names = [one, other].map(|edge| edge_name(edge.corners));
                 append(names, x1, x2, n, least);
@@ -172,16 +167,38 @@ pub(crate) fn facing(
     if axis.separation > WIDE * size && least > axis.separation + SHORT * size {
         by_corners([a, b], &back, AS_CLOSE * size, [least, margin], found);
     } else if found.len() == start && axis.separation <= margin {
-        // Rounding left no polygon: the deepest corner stays.
-        let deepest = |x: &&V, y: &&V| x.dot(&n).total_cmp(&y.dot(&n));
-        let Some((k, &x2)) = b.corners.iter().enumerate().min_by(|x, y| deepest(&x.1, &y.1)) else {
-            return;
-        };
-        let names = [PackedFeatureId::face(0).0, PackedFeatureId::vertex(k as u32).0];
-        let points = [x2 - n * axis.separation, second.corners[k]];
+        // Rounding left no polygon: of what reaches as far as the farthest, the closest points.
+        let ends = [(a, n), (b, -n)].map(|(seen, n): (Seen<'_>, V)| -> Vec<Part> {
+            let reach = seen.reach(&n) - AS_CLOSE * size;
+            let far = seen.corners.iter().filter(|corner| corner.dot(&n) >= reach);
+            far.copied().map(Part::Point).collect()
+        });
         let gap = axis.separation;
-        found.push(Facing { parts: [0, 0], features: names, points, normal: n, gap });
+        let met = nearest([&ends[0], &ends[1]], &n, &(n * gap), first.size + second.size);
+        let off = |[x1, x2]: &[V; 2]| (x2 - x1 - n * gap).norm();
+        let corners = closest([a, b]).map(|(points, ..)| points);
+        let [x1, x2] = corners.filter(|points| off(points) < off(&met)).unwrap_or(met);
+        let features = [PackedFeatureId::face(0).0; 2];
+        let points = [x1, from_vector(back * vector(&x2))];
+        found.push(Facing { parts: [0, 0], features, points, normal: n, gap });
     }
+}
+
+/// Where two edges cross as seen along a direction between them, across the separation; none beside either.
+pub(crate) fn crossing(
+    [a, b]: [Seen<'_>; 2],
+    [one, other]: [Edge; 2],
+    n: &V,
+    separation: f64,
+) -> Option<[V; 2]> {
+    let border = BORDER * a.solid.size.min(b.solid.size);
+    let [x1, x2] = between([a.corners, b.corners], [one, other]);
+    let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
+    // Along nearly parallel edges the place is rounding, across them it is not.
+    let x1 = if on_edge(&x2, ends[1], border) { x2 - n * separation } else { x1 };
+    let x2 = x1 + n * separation;
+    let slack = ON_EDGE * (a.solid.size + b.solid.size);
+    (on_edge(&x1, ends[0], slack) && on_edge(&x2, ends[1], slack)).then_some([x1, x2])
 }
 
 /// Whether a point is on an edge, or off it by no more than a distance.

@@ -15,7 +15,11 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 
 use crate::detect::facing_points::facing_points;
-use crate::detect::separation::{Separation, separate, separate_point};
+use crate::detect::narrow_phase::EDGE_PAIRS;
+use crate::detect::polytope_axes::{Seen, Source, farthest};
+use crate::detect::polytope_corners::closest;
+use crate::detect::polytopes::crossing;
+use crate::detect::separation::{Direction, Separation, separate, separate_point};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Polytope;
@@ -30,8 +34,10 @@ const AROUND: u32 = 8;
 const ALONG: f64 = 0.9;
 /// Segments at a smaller sine to each other lie along each other.
 const PARALLEL: f64 = 1e-2;
+/// Directions that are better by less than this part of the size are as good: those of faces come first.
+const TIE: f64 = 1e-14;
 /// Gaps within this part of the size of the least are the least.
-const LEAST: f64 = 1e-12;
+const LEAST: f64 = 1e-13;
 /// Points outside of a polygon by this part of the size are on its border.
 const BORDER: f64 = 1e-12;
 /// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
@@ -52,6 +58,66 @@ pub(crate) struct Room {
     placed: [Placed; 2],
     shown: [Shown; 2],
     cut: Vec<Corner>,
+    straight: Straight,
+}
+
+/// Room for the corners of solids without a curve but a capsule's, which is around its core.
+struct Straight {
+    corners: [Vec<V>; 2],
+    segment: Polytope,
+}
+
+impl Default for Straight {
+    fn default() -> Self {
+        Straight { corners: [Vec::new(), Vec::new()], segment: Polytope::segment() }
+    }
+}
+
+impl Straight {
+    /// The direction between two capsules or solids with flat faces: of their faces, edges and corners the one
+    /// along which they are farthest apart. None for others, and for cores that cross.
+    fn direction(&mut self, bodies: [Body<'_>; 2], placed: [&Placed; 2]) -> Option<Direction> {
+        let Straight { corners, segment } = self;
+        for (corners, solid) in corners.iter_mut().zip(placed) {
+            corners.clear();
+            for part in &solid.parts {
+                let Part::Point(point) = part else { return None };
+                corners.push(*point);
+            }
+        }
+        segment.size = placed[0].size.max(placed[1].size);
+        let flat = |k: usize| match bodies[k].solid.form {
+            Form::Segment => Some(&*segment),
+            _ => bodies[k].polytope,
+        };
+        let (Some(first), Some(second)) = (flat(0), flat(1)) else { return None };
+        let seen =
+            |k: usize, solid| Seen { solid, corners: &corners[k], normals: &placed[k].faces };
+        let [a, b] = [seen(0, first), seen(1, second)];
+        if a.solid.edges.len() * b.solid.edges.len() > EDGE_PAIRS {
+            return None;
+        }
+        let size = placed[0].size.max(placed[1].size);
+        let rounding = placed[0].rounding + placed[1].rounding;
+        let axis = farthest(a, b, TIE * size, f64::INFINITY)?;
+        let met = match axis.from {
+            Source::Edges(one, other) => {
+                crossing([a, b], [one, other], &axis.normal, axis.separation)
+            }
+            Source::First(_) | Source::Second(_) => None,
+        };
+        let mut found = (axis.separation, axis.normal, met);
+        if axis.separation >= -TIE * size
+            && let Some((points, normal, separation)) = closest([a, b])
+            && separation > axis.separation + TIE * size
+        {
+            found = (separation, normal, Some(points));
+        }
+        let (separation, normal, met) = found;
+        let gap = separation - rounding;
+        let known = separation > f64::NEG_INFINITY;
+        known.then_some(Direction { gap, normal, beside_face: None, met })
+    }
 }
 
 /// A corner of what a solid shows, and its name.
@@ -101,11 +167,18 @@ pub(crate) fn facing(
     room: &mut Room,
     found: &mut Found,
 ) {
-    let Room { placed, shown, cut } = room;
+    let Room { placed, shown, cut, straight } = room;
     let [first, second] = placed;
     bodies[0].solid.place(&Pose::IDENTITY, first);
     bodies[1].solid.place(relative, second);
-    let Some(there) = separate([first, second], margin) else { return };
+    let there = match straight.direction(bodies, [first, second]) {
+        Some(there) if there.gap > margin => return,
+        Some(there) => there,
+        None => match separate([first, second], margin) {
+            Some(there) => there,
+            None => return,
+        },
+    };
     let n = there.normal;
     let size = first.size.min(second.size);
     let scale = first.size + second.size + (second.centre - first.centre).norm();
@@ -158,6 +231,7 @@ pub(crate) fn facing(
             (way - n * way.dot(&n)).norm() <= radius
         };
         let shared = match (flat(one), flat(other)) {
+            _ if there.met.is_some() => None,
             (Some(disc), _) => other
                 .closest(&disc.0, &n)
                 .filter(|at| level(at, ends[1]) && within(at, disc))
@@ -333,7 +407,8 @@ fn clip(bound: &Shown, corners: &[Corner], n: &V, border: f64, cut: &mut Vec<Cor
     let around = &bound.corners;
     let (middle, count) = (around.iter().map(|c| c.place).sum::<V>(), around.len());
     let middle = middle / count as f64;
-    for k in 0..count {
+    // Again for what crossed a side after it had been beside another.
+    for k in (0..count).chain(0..count) {
         let [start, end] = [around[k], around[(k + 1) % count]];
         let along = end.place - start.place;
         let outward = along.cross(n);
@@ -342,12 +417,14 @@ fn clip(bound: &Shown, corners: &[Corner], n: &V, border: f64, cut: &mut Vec<Cor
             continue;
         }
         let outward = outward / (length * (start.place - middle).dot(&outward).signum());
+        // Where sides cross at a sharp corner what is near to both may be far out: the border is for corners.
         let outside = |c: &Corner| (c.place - start.place).dot(&outward);
+        let stays = |c: &Corner, d: f64| d <= if c.names[1] == 0 { border } else { 0.0 };
         next.clear();
         let closed = cut.len() > 2;
         for (i, here) in cut.iter().enumerate() {
             let d = outside(here);
-            if d <= border {
+            if stays(here, d) {
                 next.push(*here);
             }
             if i + 1 == cut.len() && !closed {
@@ -355,7 +432,7 @@ fn clip(bound: &Shown, corners: &[Corner], n: &V, border: f64, cut: &mut Vec<Cor
             }
             let after = &cut[(i + 1) % cut.len()];
             let e = outside(after);
-            if (d <= border) != (e <= border) {
+            if stays(here, d) != stays(after, e) {
                 let t = (d / (d - e)).clamp(0.0, 1.0);
                 let place = here.place + (after.place - here.place) * t;
                 let side = 1000 + 64 * start.names[0];

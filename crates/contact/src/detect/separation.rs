@@ -17,6 +17,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::detect::cut_model::{Bends, Cut, MOST, maximize, weigh};
+use crate::detect::flush::flush;
 use crate::shapes::solid::{Part, Placed};
 
 type V = Vector3<f64>;
@@ -31,6 +32,8 @@ pub(crate) struct Direction {
     /// What the search came to where that is the normal of a face which is as good to rounding: what is
     /// closest beside the face faces the other along this one.
     pub(crate) beside_face: Option<V>,
+    /// Points of the hulls that face each other along it, where the search knows such.
+    pub(crate) met: Option<[V; 2]>,
 }
 
 /// Where a point and a solid are closest.
@@ -50,6 +53,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const NO_AZIMUTH: f64 = 1e-6;
 /// Parts that reach as far as the farthest within this part of the size may come to do so.
 const LEVEL: f64 = 1e-10;
+/// Points that are across a separation to this part of the sizes face each other.
+pub(crate) const MET: f64 = 1e-13;
 /// Turns below this, radians, are taken though rounding hides what they gain.
 const SMALL: f64 = 1e-6;
 /// The first bound on a turn, radians.
@@ -131,8 +136,22 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
             break;
         }
     }
+    // Discs that lie on something say more of the direction than values do.
+    let flush =
+        flush(solids, normal, MET * scale).filter(|flush| flush.separation >= value - MET * scale);
+    if let Some(flush) = flush {
+        (value, normal) = (flush.separation, flush.normal);
+    }
     let gap = value - rounding;
-    (gap <= margin).then_some(Direction { gap, normal, beside_face })
+    let met = flush.map(|flush| flush.points);
+    (gap <= margin).then_some(Direction { gap, normal, beside_face, met })
+}
+
+/// The direction near another along which two solids are farthest apart.
+pub(crate) fn direction_near(solids: [&Placed; 2], start: &V) -> V {
+    let [a, b] = solids;
+    let scale = a.size + b.size + (b.centre - a.centre).norm();
+    Search { solids, scale }.climb_within(*start, LEAN).normal
 }
 
 /// The separation near a direction of a point, and what is within its rounding, from a solid; of the

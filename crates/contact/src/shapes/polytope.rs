@@ -139,6 +139,17 @@ impl Polytope {
         Some(Polytope { corners, faces, loops, edges, size })
     }
 
+    /// An edge on its own, of no size yet.
+    pub(crate) fn segment() -> Self {
+        Polytope {
+            corners: vec![Vector3::zeros(); 2],
+            faces: Vec::new(),
+            loops: Vec::new(),
+            edges: vec![Edge { corners: [0, 1], faces: [0, 0] }],
+            size: 0.0,
+        }
+    }
+
     /// A triangle: two faces that look away from each other.
     pub(crate) fn triangle() -> Self {
         let face = |k: usize| Face { normal: Vector3::zeros(), highest: 0, first: 3 * k, count: 3 };

@@ -1,0 +1,337 @@
+//! Faces that all but lie on each other, of which one is a disc: the direction and the points of two solids there.
+//!
+//! ```text
+//! z1(u) = c1 + a.u   over U,   z2(u) = c2 + b.u   over W             heights along n of what each shows, u across n
+//! z2 - z1 is least over U n W at u*:   a - b = mu + nu,    mu, nu outward normals of U at u*, of W at u*
+//! n + (mu - a)                                                       the direction along which both reach farthest at u*
+//! ```
+//! Turned by less than a circle's farthest point can follow, values are equal to rounding, and say no direction;
+//! where the faces meet is well known. With the new direction `U` and `W` are seen anew, until the points lie
+//! across the separation. Source: the optimality conditions of the least gap over what two flat faces share.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use crate::shapes::solid::{Part, Placed};
+
+type V = Vector3<f64>;
+type U = Vector2<f64>;
+
+/// What is turned against the direction by less than this, radians, lies along it.
+const FLUSH: f64 = 1e-4;
+/// Slopes that differ by less than this are rounding.
+const SAME: f64 = 1e-14;
+/// Times that the faces are seen anew.
+const ROUNDS: usize = 8;
+/// Points outside by this part of the sizes are on the border.
+const BORDER: f64 = 1e-15;
+/// Corners that fall short of a face by this part of the size are its.
+const LEVEL: f64 = 1e-11;
+/// Points outside by more than this part of the sizes are outside: of rims that all but coincide rounding finds
+/// crossings anywhere.
+const ROUNDING: f64 = 1e-13;
+/// Weights of normals that fall short of zero by this part of the slope are zero.
+const SLACK: f64 = 1e-12;
+
+/// Points that face each other across the separation along a direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Met {
+    pub(crate) separation: f64,
+    pub(crate) normal: V,
+    pub(crate) points: [V; 2],
+    /// How far the points are from being across the separation, m.
+    pub(crate) off: f64,
+}
+
+/// What a solid shows along a direction, seen along it.
+struct Face {
+    outline: Outline,
+    /// Its height above the origin, and how it grows.
+    height: f64,
+    slope: U,
+}
+
+enum Outline {
+    Disc(Disc),
+    /// In their order around it; one or two are a corner or an edge.
+    Polygon(Vec<U>),
+}
+
+/// `|squash (u - centre)| <= radius`.
+struct Disc {
+    centre: U,
+    squash: Matrix2<f64>,
+    radius: f64,
+}
+
+/// Where two solids that lie nearly flush on a disc face each other to within `off`, beginning with a direction
+/// that is close.
+pub(crate) fn flush(solids: [&Placed; 2], start: V, off: f64) -> Option<Met> {
+    let [a, b] = solids;
+    let met = |normal: V, points: [V; 2]| {
+        let separation = -b.farthest(&-normal).1 - a.farthest(&normal).1;
+        let off = (points[1] - points[0] - normal * separation).norm();
+        Met { separation, normal, points, off }
+    };
+    let mut n = start;
+    for _ in 0..ROUNDS {
+        let (next, [x1, x2]) = step(solids, &n)?;
+        let found = met(next, [x1, x2]);
+        if found.off <= off {
+            return Some(found);
+        }
+        // A corner above a rim holds the direction between what each of them asks for.
+        if found.separation > 0.0 {
+            let onto = [[Some(x1), on_disc(b, &-n, &x1)], [on_disc(a, &n, &x2), Some(x2)]];
+            for points in onto {
+                let [Some(x1), Some(x2)] = points else { continue };
+                let Some(way) = (x2 - x1).try_normalize(0.0) else { continue };
+                let found = met(way, [x1, x2]);
+                if found.off <= off {
+                    return Some(found);
+                }
+            }
+        }
+        n = next;
+    }
+    None
+}
+
+/// A better direction, and the points between which the gap along this one is least.
+fn step([a, b]: [&Placed; 2], n: &V) -> Option<(V, [V; 2])> {
+    let first = n.cross(&V::ith(n.iamin(), 1.0)).normalize();
+    let frame = [first, n.cross(&first), *n];
+    let (one, other) = (Face::of(a, n, &frame)?, Face::of(b, &-n, &frame)?);
+    let size = a.size + b.size;
+    let outlines = [&one.outline, &other.outline];
+    let (u, mu) = least(outlines, one.slope - other.slope, BORDER * size)?;
+    if outlines.iter().any(|outline| outline.outside(&u) > ROUNDING * size) {
+        return None;
+    }
+    let turn = mu - one.slope;
+    let normal = (n + first * turn.x + frame[1] * turn.y).normalize();
+    let lift = |face: &Face| first * u.x + frame[1] * u.y + n * (face.height + face.slope.dot(&u));
+    Some((normal, [lift(&one), lift(&other)]))
+}
+
+/// The disc that a solid shows along a direction: its centre, axis and radius.
+fn disc(solid: &Placed, n: &V) -> Option<(V, V, f64)> {
+    match solid.parts[solid.farthest(n).0] {
+        Part::Circle { centre, axis, radius } if axis.cross(n).norm() < FLUSH => {
+            Some((centre, axis * axis.dot(n).signum(), radius))
+        }
+        _ => None,
+    }
+}
+
+/// The point of the disc that a solid shows along a direction that is closest to a point.
+fn on_disc(solid: &Placed, n: &V, x: &V) -> Option<V> {
+    let (centre, axis, radius) = disc(solid, n)?;
+    let way = x - centre;
+    let across = way - axis * way.dot(&axis);
+    let length = across.norm();
+    Some(centre + if length > radius { across * (radius / length) } else { across })
+}
+
+impl Face {
+    /// What a solid shows along a direction, in a frame whose last axis is up.
+    fn of(solid: &Placed, n: &V, [e, f, up]: &[V; 3]) -> Option<Self> {
+        let seen = |x: &V| U::new(x.dot(e), x.dot(f));
+        let flat = |outline: Outline, normal: &V, at: &V| {
+            let slope = -seen(normal) / normal.dot(up);
+            Face { outline, height: at.dot(up) - slope.dot(&seen(at)), slope }
+        };
+        if let Some((centre, axis, radius)) = disc(solid, n) {
+            let disc = Disc { centre: seen(&centre), squash: squash(&seen(&axis)), radius };
+            return Some(flat(Outline::Disc(disc), &axis, &centre));
+        }
+        let k = solid.farthest(n).0;
+        let top = solid.parts[k].point(n);
+        let points = (0..solid.parts.len()).filter(|&j| j != k).map(|j| solid.parts[j].point(n));
+        let level = |x: &V| (x - top).dot(n).abs() < FLUSH * (x - top).norm();
+        let mut corners: Vec<V> = points.filter(level).collect();
+        let looks = |f: &&V| f.cross(n).norm() < FLUSH && f.dot(n) > 0.0;
+        let face = solid.faces.iter().filter(looks).max_by(|f, g| f.dot(n).total_cmp(&g.dot(n)));
+        if let Some(normal) = face {
+            corners.push(top);
+            let reach = corners.iter().map(|x| x.dot(normal)).fold(f64::NEG_INFINITY, f64::max);
+            corners.retain(|x| x.dot(normal) >= reach - LEVEL * solid.size);
+            let middle = corners.iter().map(seen).sum::<U>() / corners.len() as f64;
+            let mut outline: Vec<U> = corners.iter().map(seen).collect();
+            let angle = |u: &U| (u.y - middle.y).atan2(u.x - middle.x);
+            outline.sort_by(|u, v| angle(u).total_cmp(&angle(v)));
+            return Some(flat(Outline::Polygon(outline), normal, &corners[0]));
+        }
+        let far = |x: &V| (x - top).norm();
+        let end = corners.iter().max_by(|x, y| far(x).total_cmp(&far(y)));
+        let (outline, slope) = match end {
+            None => (vec![seen(&top)], U::zeros()),
+            Some(end) => {
+                let (rise, way) = ((end - top).dot(up), seen(end) - seen(&top));
+                (vec![seen(&top), seen(end)], way * (rise / way.norm_squared()))
+            }
+        };
+        let height = top.dot(up) - slope.dot(&seen(&top));
+        Some(Face { outline: Outline::Polygon(outline), height, slope })
+    }
+}
+
+/// What makes the outline of a disc round again that is seen along a direction in which its axis leans.
+fn squash(lean: &U) -> Matrix2<f64> {
+    let square = lean.norm_squared();
+    if square == 0.0 {
+        return Matrix2::identity();
+    }
+    // 1/cos - 1 without losing digits.
+    let cosine = (1.0 - square).max(0.0).sqrt();
+    Matrix2::identity() + lean * lean.transpose() * (1.0 / (cosine * (1.0 + cosine)))
+}
+
+impl Disc {
+    fn outward(&self, u: &U) -> U {
+        (self.squash * (self.squash * (u - self.centre))).try_normalize(0.0).unwrap_or_default()
+    }
+}
+
+impl Outline {
+    /// Its point that is farthest along a direction.
+    fn extreme(&self, p: &U) -> Option<U> {
+        match self {
+            Outline::Disc(Disc { centre, squash, radius }) => {
+                let inverse = squash.try_inverse()?;
+                Some(centre + inverse * (inverse * p).try_normalize(0.0)? * *radius)
+            }
+            Outline::Polygon(corners) => {
+                corners.iter().max_by(|u, v| u.dot(p).total_cmp(&v.dot(p))).copied()
+            }
+        }
+    }
+
+    /// How far a point is outside.
+    fn outside(&self, u: &U) -> f64 {
+        match self {
+            Outline::Disc(Disc { centre, squash, radius }) => {
+                (squash * (u - centre)).norm() - radius
+            }
+            Outline::Polygon(corners) if corners.len() > 2 => sides(corners)
+                .map(|[from, to]| (u - from).dot(&right(&(to - from))))
+                .fold(f64::NEG_INFINITY, f64::max),
+            Outline::Polygon(corners) => {
+                let (from, to) = (corners[0], corners[corners.len() - 1]);
+                let (way, along) = (u - from, to - from);
+                let square = along.norm_squared();
+                let t = if square > 0.0 { (way.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
+                (way - along * t).norm()
+            }
+        }
+    }
+}
+
+/// The sides of a polygon, or of an edge the one there is.
+fn sides(corners: &[U]) -> impl Iterator<Item = [U; 2]> {
+    let count = if corners.len() > 2 { corners.len() } else { corners.len() - 1 };
+    (0..count).map(move |k| [corners[k], corners[(k + 1) % corners.len()]])
+}
+
+/// The unit vector to the right of a way, out of what lies to its left.
+fn right(way: &U) -> U {
+    U::new(way.y, -way.x).try_normalize(0.0).unwrap_or_default()
+}
+
+/// The point of what two outlines share that is farthest along `p`, and the part of `p` that the first holds.
+fn least([one, other]: [&Outline; 2], p: U, border: f64) -> Option<(U, U)> {
+    if p.norm() < SAME {
+        return None;
+    }
+    if let Some(u) = one.extreme(&p).filter(|u| other.outside(u) <= border) {
+        return Some((u, p));
+    }
+    if let Some(u) = other.extreme(&p).filter(|u| one.outside(u) <= border) {
+        return Some((u, U::zeros()));
+    }
+    match (one, other) {
+        (Outline::Disc(one), Outline::Disc(other)) => rims(one, other).into_iter().find_map(|u| {
+            let [mu, _] = held(&p, [one.outward(&u), other.outward(&u)], [false; 2])?;
+            Some((u, mu))
+        }),
+        (Outline::Disc(disc), Outline::Polygon(corners)) => {
+            let (u, [mu, _]) = rim_and_side(disc, corners, &p)?;
+            Some((u, mu))
+        }
+        (Outline::Polygon(corners), Outline::Disc(disc)) => {
+            let (u, [_, mu]) = rim_and_side(disc, corners, &p)?;
+            Some((u, mu))
+        }
+        (Outline::Polygon(one), Outline::Polygon(other)) => {
+            let edges = [one, other].map(|corners| corners.len() == 2);
+            sides(one).find_map(|[from, to]| {
+                sides(other).find_map(|[start, end]| {
+                    let ways = [to - from, end - start];
+                    let along = Matrix2::from_columns(&[ways[0], -ways[1]]);
+                    let at = along.try_inverse()? * (start - from);
+                    if !(at.min() >= 0.0 && at.max() <= 1.0) {
+                        return None;
+                    }
+                    let [mu, _] = held(&p, ways.each_ref().map(right), edges)?;
+                    Some((from + ways[0] * at.x, mu))
+                })
+            })
+        }
+    }
+}
+
+/// Where a rim and a side cross that hold `p` together, and the part of each.
+fn rim_and_side(disc: &Disc, corners: &[U], p: &U) -> Option<(U, [U; 2])> {
+    sides(corners).find_map(|[from, to]| {
+        let (way, along) = (disc.squash * (from - disc.centre), disc.squash * (to - from));
+        let (square, half) = (along.norm_squared(), way.dot(&along));
+        let root = (half * half - square * (way.norm_squared() - disc.radius * disc.radius)).sqrt();
+        [-half - root, -half + root].into_iter().find_map(|t| {
+            let t = t / square;
+            if !(0.0..=1.0).contains(&t) {
+                return None;
+            }
+            let u = from + (to - from) * t;
+            let parts =
+                held(p, [disc.outward(&u), right(&(to - from))], [false, corners.len() == 2])?;
+            Some((u, parts))
+        })
+    })
+}
+
+/// The parts of a vector along two outward normals, neither inwards; either way along those of an edge.
+fn held(p: &U, [a, b]: [U; 2], edges: [bool; 2]) -> Option<[U; 2]> {
+    let weights = Matrix2::from_columns(&[a, b]).try_inverse()? * p;
+    let slack = -SLACK * p.norm();
+    let outwards = (0..2).all(|k| edges[k] || weights[k] >= slack);
+    outwards.then(|| [a * weights.x, b * weights.y])
+}
+
+/// Where two rims cross: as circles first, then as they are.
+fn rims(one: &Disc, other: &Disc) -> Vec<U> {
+    let Some(back) = one.squash.try_inverse() else { return Vec::new() };
+    let (centre, squash) = (one.squash * (other.centre - one.centre), other.squash * back);
+    let (d, r, s) = (centre.norm(), one.radius, other.radius);
+    let x = (d * d + r * r - s * s) / (2.0 * d);
+    let y = (r * r - x * x).sqrt();
+    if !(d > 0.0 && y.is_finite()) {
+        return Vec::new();
+    }
+    let along = centre / d;
+    let crossings = [y, -y].map(|y| {
+        let mut v = along * x + U::new(-along.y, along.x) * y;
+        let value = |v: &U| {
+            U::new(v.norm_squared() - r * r, (squash * (v - centre)).norm_squared() - s * s)
+        };
+        for _ in 0..3 {
+            let rows = [v.transpose(), (squash * squash * (v - centre)).transpose()];
+            let Some(inverse) = (Matrix2::from_rows(&rows) * 2.0).try_inverse() else { break };
+            let next = v - inverse * value(&v);
+            if value(&next).norm() >= value(&v).norm() {
+                break;
+            }
+            v = next;
+        }
+        one.centre + back * v
+    });
+    crossings.to_vec()
+}
