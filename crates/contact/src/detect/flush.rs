@@ -335,3 +335,70 @@ fn rims(one: &Disc, other: &Disc) -> Vec<U> {
     });
     crossings.to_vec()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parry3d_f64::math::{Pose, Rotation, Vector};
+    use stationary_measure::SplitMix64;
+
+    use crate::detect::facing_points::facing_points;
+    use crate::detect::separation::separate;
+    use crate::shapes::polytope::Polytope;
+    use crate::shapes::solid::Solid;
+
+    /// Cylinders, cones, boxes and capsules laid on each other, leaning by 1e-4 to 1e-14: the direction is the best
+    /// there is near it, and the points on both face each other along it.
+    #[test]
+    fn solids_that_all_but_lie_on_each_other_face_each_other_to_rounding() {
+        let mut random = SplitMix64::new(11);
+        for case in 0..1_500 {
+            let mut uniform = || 0.5 * (random.symmetric() + 1.0);
+            let mut shape = |disc: bool| {
+                let (half, radius) = (0.1 + uniform(), 0.1 + uniform());
+                match (if disc { 2.0 } else { 4.0 } * uniform()) as usize {
+                    // Each with its height below the origin.
+                    0 => (Solid::cylinder(half, radius), half),
+                    1 => (Solid::cone(half, radius), half),
+                    2 => {
+                        (Solid::polytope(&Polytope::cuboid([radius, radius, half]).unwrap()), half)
+                    }
+                    _ => (Solid::capsule(half, radius), half + radius),
+                }
+            };
+            let ((lower, _), (upper, _)) = (shape(true), shape(false));
+            let below = Pose {
+                rotation: Rotation::from_axis_angle(Vector::X, std::f64::consts::PI),
+                translation: Vector::ZERO,
+            };
+            let lean = 10_f64.powf(-4.0 - 10.0 * uniform());
+            let lying = matches!(upper.form, crate::shapes::solid::Form::Segment);
+            let base = if lying { std::f64::consts::FRAC_PI_2 } else { 0.0 };
+            let mut symmetric = || 2.0 * uniform() - 1.0;
+            let turned =
+                Rotation::from_scaled_axis(Vector::new(symmetric(), symmetric(), 0.0) * lean)
+                    * Rotation::from_axis_angle(Vector::Y, base);
+            let (mut a, mut b) = (Placed::default(), Placed::default());
+            lower.place(&below, &mut a);
+            let mut pose = Pose { rotation: turned, translation: Vector::ZERO };
+            upper.place(&pose, &mut b);
+            let lift = a.farthest(&V::z()).1 + b.farthest(&-V::z()).1;
+            let apart = if symmetric() > 0.0 { 0.1 * symmetric() } else { lean * symmetric() };
+            pose.translation = Vector::new(0.5 * symmetric(), 0.5 * symmetric(), lift + apart);
+            upper.place(&pose, &mut b);
+            let direction = separate([&a, &b], f64::INFINITY).unwrap();
+            let found = facing_points([&a, &b], &direction);
+            let [x1, x2] = found.points;
+            let off = (x2 - x1 - found.normal * found.separation).norm();
+            assert!(off < 1e-12, "{case}: {off:e}, leaning by {lean:e}");
+            for (solid, x, n) in [(&a, x1, found.normal), (&b, x2, -found.normal)] {
+                // No point of a solid reaches farther, along the direction and those beside it.
+                for _ in 0..20 {
+                    let aside = V::new(symmetric(), symmetric(), symmetric());
+                    let n = (n + aside * symmetric().powi(8)).normalize();
+                    assert!(x.dot(&n) <= solid.farthest(&n).1 + 1e-12, "{case}: outside");
+                }
+            }
+        }
+    }
+}

@@ -18,6 +18,8 @@ type V = Vector3<f64>;
 
 /// A way at a smaller sine to an edge lies along it.
 const LENGTHWISE: f64 = 1e-10;
+/// Distances that differ by less than this part of the sizes are the same.
+const ROUNDING: f64 = 1e-15;
 /// Points face each other along a direction that is off the way between them by this part of the sizes.
 const ACROSS: f64 = 1e-12;
 
@@ -107,17 +109,21 @@ pub(crate) fn by_corners(
 }
 
 /// The closest corners and edges of two solids, the unit direction between them along which these are farthest
-/// apart, and how far; none where they meet.
+/// apart, and how far; none where they meet. Of those that are as close the one whose direction parts them most.
 pub(crate) fn closest(both: [Seen<'_>; 2]) -> Option<([V; 2], V, f64)> {
-    let mut closest: Option<Pair> = None;
+    let mut least = f64::INFINITY;
+    for_each_corner_and_edge(both, |pair| least = least.min(pair.distance()));
+    let slack = ROUNDING * (both[0].solid.size + both[1].solid.size);
+    let mut best: Option<([V; 2], V, f64)> = None;
     for_each_corner_and_edge(both, |pair| {
-        if closest.as_ref().is_none_or(|closest| pair.distance() < closest.distance()) {
-            closest = Some(pair);
+        if pair.distance() <= least + slack
+            && let Some((normal, separation)) = pair.direction(both)
+            && best.is_none_or(|(_, _, best)| separation > best)
+        {
+            best = Some((pair.points, normal, separation));
         }
     });
-    let closest = closest?;
-    let (normal, separation) = closest.direction(both)?;
-    Some((closest.points, normal, separation))
+    best
 }
 
 /// Each corner of one solid with the closest point of each edge of the other, and each two edges
