@@ -226,7 +226,8 @@ fn bound(
         side: Side::Own(c as u32),
     }));
     let around = one.solid.around(bounding);
-    for (k, &from) in around.iter().enumerate() {
+    // Again for what crossed a side after it had been beside another.
+    for (k, &from) in around.iter().enumerate().chain(around.iter().enumerate()) {
         let to = around[(k + 1) % around.len()];
         let (start, end) = (one.corners[from], one.corners[to]);
         let outward = (end - start).cross(n) * one.normals[bounding].dot(n).signum();
@@ -235,11 +236,13 @@ fn bound(
             continue;
         }
         let outside = |c: &Corner| (c.place - start).dot(&outward) / length;
+        // Where sides cross at a sharp corner what is near to both may be far out: the border is for corners.
+        let near = |c: &Corner, d: f64| d <= if c.names[0] == face { border } else { 0.0 };
         cut.clear();
         for (i, here) in polygon.iter().enumerate() {
             let next = &polygon[(i + 1) % polygon.len()];
             let (d, e) = (outside(here), outside(next));
-            let (inside, stays) = (d <= border, e <= border);
+            let (inside, stays) = (near(here, d), near(next, e));
             if inside {
                 cut.push(*here);
             }

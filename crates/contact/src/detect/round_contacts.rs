@@ -19,7 +19,7 @@ use crate::detect::narrow_phase::EDGE_PAIRS;
 use crate::detect::polytope_axes::{Seen, Source, farthest};
 use crate::detect::polytope_corners::closest;
 use crate::detect::polytopes::crossing;
-use crate::detect::separation::{Direction, Separation, separate, separate_point};
+use crate::detect::separation::{Direction, Separation, at_faces, separate, separate_point};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Polytope;
@@ -106,17 +106,19 @@ impl Straight {
             }
             Source::First(_) | Source::Second(_) => None,
         };
+        let face = !matches!(axis.from, Source::Edges(..));
         let mut found = (axis.separation, axis.normal, met);
         if axis.separation >= -TIE * size
             && let Some((points, normal, separation)) = closest([a, b])
-            && separation > axis.separation + TIE * size
+            && separation > axis.separation + if met.is_some() || face { TIE } else { -TIE } * size
         {
             found = (separation, normal, Some(points));
         }
         let (separation, normal, met) = found;
         let gap = separation - rounding;
         let known = separation > f64::NEG_INFINITY;
-        known.then_some(Direction { gap, normal, beside_face: None, met })
+        let found = Direction { gap, normal, beside_face: None, met };
+        known.then(|| if met.is_some() { found } else { at_faces(placed, found) })
     }
 }
 

@@ -17,7 +17,7 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::detect::cut_model::{Bends, Cut, MOST, maximize, weigh};
-use crate::detect::flush::flush;
+use crate::detect::flush::{Met, flush};
 use crate::shapes::solid::{Part, Placed};
 
 type V = Vector3<f64>;
@@ -136,15 +136,27 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
             break;
         }
     }
-    // Discs that lie on something say more of the direction than values do.
-    let flush =
-        flush(solids, normal, MET * scale).filter(|flush| flush.separation >= value - MET * scale);
-    if let Some(flush) = flush {
-        (value, normal) = (flush.separation, flush.normal);
-    }
     let gap = value - rounding;
-    let met = flush.map(|flush| flush.points);
-    (gap <= margin).then_some(Direction { gap, normal, beside_face, met })
+    let found = Direction { gap, normal, beside_face, met: None };
+    let found = at_faces(solids, found);
+    (found.gap <= margin).then_some(found)
+}
+
+/// The same direction, or a better one where faces all but lie on each other and say more of it than values do.
+pub(crate) fn at_faces(solids: [&Placed; 2], direction: Direction) -> Direction {
+    let [a, b] = solids;
+    let scale = a.size + b.size + (b.centre - a.centre).norm();
+    let rounding = a.rounding + b.rounding;
+    let Direction { gap, normal, .. } = direction;
+    match flush(solids, normal, MET * scale) {
+        Some(Met { separation, normal, points, .. })
+            if separation >= gap + rounding - MET * scale =>
+        {
+            let gap = separation - rounding;
+            Direction { gap, normal, met: Some(points), ..direction }
+        }
+        _ => direction,
+    }
 }
 
 /// The direction near another along which two solids are farthest apart.
