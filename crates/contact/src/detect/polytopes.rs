@@ -54,6 +54,8 @@ enum Side {
 const TIE: f64 = 1e-13;
 /// Points outside of a face by this part of the sizes are on its border: no more than gaps may be off by.
 const BORDER: f64 = 1e-12;
+/// Crossings of sides are on the border within this part of what corners are: rounding.
+const CROSSED: f64 = 1e-3;
 /// Corners and edges are as close as the closest within this part of the sizes.
 const AS_CLOSE: f64 = 1e-9;
 /// Points off an edge by less than this part of the sizes are on it.
@@ -237,7 +239,8 @@ fn bound(
         }
         let outside = |c: &Corner| (c.place - start).dot(&outward) / length;
         // Where sides cross at a sharp corner what is near to both may be far out: the border is for corners.
-        let near = |c: &Corner, d: f64| d <= if c.names[0] == face { border } else { 0.0 };
+        let near =
+            |c: &Corner, d: f64| d <= border * if c.names[0] == face { 1.0 } else { CROSSED };
         cut.clear();
         for (i, here) in polygon.iter().enumerate() {
             let next = &polygon[(i + 1) % polygon.len()];

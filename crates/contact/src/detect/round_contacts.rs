@@ -40,6 +40,8 @@ const TIE: f64 = 1e-14;
 const LEAST: f64 = 1e-13;
 /// Points outside of a polygon by this part of the size are on its border.
 const BORDER: f64 = 1e-12;
+/// Crossings of sides are on the border within this part of what corners are: rounding.
+const CROSSED: f64 = 1e-3;
 /// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
 const FLAT_SINE: f64 = 1e-7;
 /// The name of the closest points of solids that lie nowhere on each other.
@@ -421,7 +423,7 @@ fn clip(bound: &Shown, corners: &[Corner], n: &V, border: f64, cut: &mut Vec<Cor
         let outward = outward / (length * (start.place - middle).dot(&outward).signum());
         // Where sides cross at a sharp corner what is near to both may be far out: the border is for corners.
         let outside = |c: &Corner| (c.place - start.place).dot(&outward);
-        let stays = |c: &Corner, d: f64| d <= if c.names[1] == 0 { border } else { 0.0 };
+        let stays = |c: &Corner, d: f64| d <= border * if c.names[1] == 0 { 1.0 } else { CROSSED };
         next.clear();
         let closed = cut.len() > 2;
         for (i, here) in cut.iter().enumerate() {
