@@ -17,6 +17,8 @@ mod of_scene;
 mod rate;
 
 use stationary_calculus::{Covector, Force, Sink, Vector};
+#[cfg(feature = "contact")]
+use stationary_integrators::State;
 #[cfg(feature = "elasticity")]
 use {stationary_calculus::Stencil, stationary_elasticity::Spring};
 
@@ -261,6 +263,28 @@ impl Acting {
                 }
             }
             given.ends.push(given.entries.len());
+        }
+    }
+
+    /// Adds the works of what was given over a step between two states, along its mean velocity `u`; of a pin that
+    /// moves that of its own motion.
+    #[cfg(feature = "contact")]
+    pub(crate) fn add_given_works(
+        &self,
+        given: &Impulses,
+        [before, after]: [&State<Vec<f64>>; 2],
+        u: &[f64],
+        works: &mut [f64],
+    ) {
+        let brought = given.works(|freedom| u[freedom]);
+        for ((act, brought), work) in self.acts.iter().zip(brought).zip(works) {
+            let pulled = |now: &State<Vec<f64>>| {
+                act.what.pulled_along((now.t, &now.q), (before.t, after.t), self.each)
+            };
+            *work += match (pulled(before), pulled(after)) {
+                (Some(first), Some(last)) => 0.5 * (first + last),
+                _ => brought,
+            };
         }
     }
 

@@ -4,6 +4,7 @@ use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 
 use crate::model::body_shape::BodyShape;
+use crate::model::drives::PinMotion;
 use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
@@ -105,10 +106,13 @@ impl Scene {
 
     /// An error where something acts on the scene's bodies for which such a method has no place.
     fn check_contact_alone(&self) -> Result<(), Fault> {
+        let chooses = self.chooses_contact_steps();
+        let round = |motion: &PinMotion| self.particles[motion.particle].radius > 0.0;
         let what = match self.is_driven() {
             _ if self.has_joints() => "joints or rods",
-            true => "loads, motors, drag, dampers, a frame that turns or changing gravity",
-            false => return Ok(()),
+            true if !chooses => "loads, drag, dampers, a frame that turns or changing gravity",
+            true if self.drives.motions.iter().any(round) => "pins that move and touch",
+            _ => return Ok(()),
         };
         let instead = match self.dimension {
             3 => "name `variational-rotation`",

@@ -41,9 +41,6 @@ impl Scene {
         if !self.has_inequalities() {
             return listed(&driven).into_iter().collect();
         }
-        if self.chooses_contact_steps() {
-            return vec!["impacts".to_owned()];
-        }
         let mut names = Vec::new();
         if self.touches_as_bodies() {
             names.extend(["friction", "impacts"]);
