@@ -249,6 +249,11 @@ impl Scene {
         followed
     }
 
+    /// Pinned particles that attract and stay, with their masses.
+    pub(crate) fn still_attractors(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.gravity.fixed.iter().copied().filter(|&(pin, _)| !self.drives.moves(pin))
+    }
+
     /// Whether its things touch by impulses, and not by springs.
     pub(crate) fn has_impulses(&self) -> bool {
         self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())

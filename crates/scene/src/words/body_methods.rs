@@ -75,10 +75,11 @@ impl Scene {
             let instead = "leave the speed of one out: it follows from the others";
             return refused("motors with a speed at all joints of a loop", instead);
         }
+        let led = "rods to pins that move (its equations of rods do not depend on time)";
         match (self.moves_rods(), self.dimension) {
             (false, _) => Ok(()),
-            (true, 3) => refused("rods to pins that move", "name `variational-rotation`"),
-            _ => refused("rods to pins that move", "name `stormer-verlet`"),
+            (true, 3) => refused(led, "name `variational-rotation`"),
+            _ => refused(led, "name `stormer-verlet`"),
         }
     }
 

@@ -207,6 +207,13 @@ fn a_box_dropped_with_friction_closes_its_budget_with_the_tolerance() {
         let run = run(&text(tolerance));
         assert!(work(&run, "friction") < -1.0 && work(&run, "impacts") < -1.0, "{:?}", run.works());
         let left = left(&run).abs();
+        // Where steps are extrapolated, so are impulses.
+        let given: [f64; 2] =
+            std::array::from_fn(|c| run.contact_impulses().iter().map(|row| row.impulse[c]).sum());
+        let momenta = run.linear_momenta();
+        let end = momenta[momenta.len() - 1];
+        assert!((end[0] - momenta[0][0] - given[0]).abs() < 1e-10, "{given:?}");
+        assert!((end[1] - momenta[0][1] + 2.0 * G - given[1]).abs() < 1e-10, "{given:?}");
         assert!(left < off && left < before, "{tolerance}: {left} {:?}", run.works());
         before = left;
     }
