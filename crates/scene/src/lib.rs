@@ -281,6 +281,8 @@ mod run {
     #[cfg(feature = "contact")]
     pub(crate) mod error_controlled;
     #[cfg(feature = "contact")]
+    pub(crate) mod given;
+    #[cfg(feature = "contact")]
     pub(crate) mod touching;
     #[cfg(feature = "rigid")]
     pub(crate) mod joint_coordinates;

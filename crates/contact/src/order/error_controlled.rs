@@ -20,7 +20,8 @@
 //! its gap is closed, however the step is divided after that. Steps of a world are of order 1, so that `off` is of order
 //! `h^2` and the extrapolated step is of order 2; across an event all three are of order `h`, and a step across it is as
 //! short as its share asks. A step that is off by more is tried again, shorter; state and time stay as they were.
-//! The next length comes from `off`.
+//! The next length comes from `off`. Works and impulses of contacts are extrapolated as the step is (see `ledger.rs`),
+//! so that the budget of energy closes to the steps' own defect.
 //!
 //! The accuracy bounds what single steps add, not what motion makes of it: where neighbouring motions part fast (a
 //! tumbling box, an edge on which a block may fall either way) the error at the end is that much larger.
@@ -33,9 +34,11 @@ use stationary_integrators::{State, StepError};
 use crate::error::check_time;
 use crate::order::event::{Event, EventKind};
 use crate::order::flight::{Flies, chord};
+use crate::order::ledger::{Ledger, OF_CONTACT};
 use crate::order::pieces::{Motion, Pieces, between};
+use crate::order::step_forces::StepForces;
 use crate::solve::body_state::speed;
-use crate::{ContactError, Dimension, World, WorldReport};
+use crate::{ContactError, Dimension, Touch, World, WorldReport};
 
 /// The most steps in one call, rejected ones counted too.
 pub const STEPS: usize = 1_000_000;
@@ -91,12 +94,18 @@ pub struct ErrorControlled<G: Flies, P> {
     length: Option<f64>,
     pieces: Pieces,
     events: Vec<Event>,
+    ledger: Ledger<G>,
     /// What pushes in the last step that was taken.
     last: Seen<G>,
     seen: [Seen<G>; 3],
+    /// What the three steps of the one that is tried did, as the ledger has it, and what touched in the halves.
+    works: [Vec<f64>; 3],
+    touches: [Vec<Touch<G>>; 2],
+    mean: Vector<Vec<f64>>,
     difference: Covector<Vec<f64>>,
     rates: Vector<Vec<f64>>,
     now: State<Vec<f64>>,
+    start: State<Vec<f64>>,
     whole: State<Vec<f64>>,
     halves: State<Vec<f64>>,
 }
@@ -108,6 +117,7 @@ struct Pushing<G: Dimension> {
     bodies: [Option<usize>; 2],
     slides: bool,
     friction: G::Vector,
+    impulse: G::Vector,
 }
 
 impl<G: Dimension> Pushing<G> {
@@ -153,14 +163,16 @@ impl<G: Dimension> Seen<G> {
             let bound = touch.contact.friction * touch.normal;
             let slides = bound == 0.0 || rubbed >= SLIDES * bound;
             let colliders = touch.contact.id.colliders;
+            let impulse = touch.contact.normal * touch.normal + touch.friction;
             match pairs.last_mut().filter(|last| last.colliders == colliders) {
                 Some(last) => {
                     last.slides |= slides;
                     last.friction = last.friction + touch.friction;
+                    last.impulse = last.impulse + impulse;
                 }
                 None => {
                     let (bodies, friction) = (touch.contact.bodies, touch.friction);
-                    pairs.push(Pushing { colliders, bodies, slides, friction });
+                    pairs.push(Pushing { colliders, bodies, slides, friction, impulse });
                 }
             }
         }
@@ -198,7 +210,8 @@ struct Tried {
     off: f64,
     within: Within,
     settled: bool,
-    /// Whether anything hit, and the energy that it took, J.
+    /// Whether a gap closed, or anything hit and bounced, and the energy that this took, J.
+    hits: bool,
     impacts: bool,
     impact_energy: f64,
 }
@@ -216,15 +229,20 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         Ok(ErrorControlled {
             difference: Covector(vec![0.0; n]),
             rates: Vector(vec![0.0; n]),
+            mean: Vector(vec![0.0; n]),
             world,
             accuracy,
             horizon: HORIZON,
             length: None,
             pieces: Pieces::default(),
             events: Vec::new(),
+            ledger: Ledger::default(),
             last: Seen::default(),
             seen: Default::default(),
+            works: Default::default(),
+            touches: Default::default(),
             now: State::default(),
+            start: State::default(),
             whole: State::default(),
             halves: State::default(),
         })
@@ -252,6 +270,18 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         &self.events
     }
 
+    /// Adds the works between two times of the last call, J: of friction, of impacts, of lifting out of overlap, then
+    /// of each thing that acts. They change the energy by what the potential does not give, but for the steps' defect.
+    pub fn add_works(&self, between: (f64, f64), works: &mut [f64]) {
+        self.ledger.add_works(between, works);
+    }
+
+    /// Shows what touched between two times of the last call, with the part of its impulses that fell into them,
+    /// and when the last of it did, s. Their sum is what contact changed momenta by.
+    pub fn show_touches(&self, between: (f64, f64), see: &mut dyn FnMut(f64, &Touch<G>)) {
+        self.ledger.show(between, see);
+    }
+
     /// The state at a time of the last call: straight between steps, which adds no more than
     /// half of what these may be off.
     ///
@@ -273,6 +303,19 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         state: &mut State<Vec<f64>>,
         duration: f64,
     ) -> Result<ErrorControlledReport, ContactError> {
+        self.advance_under(state, duration, &mut ())
+    }
+
+    /// The same under forces beside those of the potential.
+    ///
+    /// # Errors
+    /// Those of [`ErrorControlled::advance`] and of [`World::step_under`].
+    pub fn advance_under(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        duration: f64,
+        forces: &mut impl StepForces,
+    ) -> Result<ErrorControlledReport, ContactError> {
         if !(duration > 0.0 && duration.is_finite()) {
             return Err(StepError::Step(duration).into());
         }
@@ -282,10 +325,13 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             return Err(ContactError::Tolerance(self.accuracy));
         }
         let (length, last) = (self.length, self.last.clone());
+        let width = OF_CONTACT + forces.works();
         self.pieces.clear();
         self.events.clear();
+        self.ledger.clear(width);
+        self.works.iter_mut().for_each(|works| works.resize(width, 0.0));
         self.now.clone_from(state);
-        match self.go(state.t + duration, duration) {
+        match self.go(state.t + duration, duration, forces) {
             Ok(report) => {
                 self.pieces.finish(&self.now);
                 state.clone_from(&self.now);
@@ -294,13 +340,19 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             Err(error) => {
                 self.pieces.clear();
                 self.events.clear();
+                self.ledger.clear(width);
                 (self.length, self.last) = (length, last);
                 Err(error)
             }
         }
     }
 
-    fn go(&mut self, end: f64, duration: f64) -> Result<ErrorControlledReport, ContactError> {
+    fn go(
+        &mut self,
+        end: f64,
+        duration: f64,
+        forces: &mut impl StepForces,
+    ) -> Result<ErrorControlledReport, ContactError> {
         let mut report = ErrorControlledReport {
             shortest: f64::INFINITY,
             settled: true,
@@ -312,14 +364,15 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             if report.steps + report.rejected >= STEPS {
                 return Err(ContactError::TooManySteps { bound: STEPS, time: self.now.t });
             }
-            let left = end - self.now.t;
+            let goal = forces.next_corner(self.now.t).map_or(end, |corner| corner.min(end));
+            let left = goal - self.now.t;
             // No step is much shorter than its neighbours only because the end is near.
             let h = match left / length {
                 steps if steps <= 1.0 => left,
                 steps if steps < 2.0 => 0.5 * left,
                 _ => length,
             };
-            let tried = self.attempt(h, &mut report)?;
+            let tried = self.attempt(h, forces, &mut report)?;
             let order = if tried.within == Within::Smooth { 2.0 } else { 1.0 };
             let fitting = SAFETY * (share / tried.off).powf(1.0 / order);
             length = h * fitting.clamp(CHANGE[0], CHANGE[1]);
@@ -331,7 +384,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 }
                 continue;
             }
-            self.accept(h, end, &tried, &mut report)?;
+            self.accept(h, goal, &tried, &mut report)?;
         }
         self.length = Some(length);
         Ok(report)
@@ -341,28 +394,41 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
     fn attempt(
         &mut self,
         h: f64,
+        forces: &mut impl StepForces,
         report: &mut ErrorControlledReport,
     ) -> Result<Tried, ContactError> {
         self.whole.clone_from(&self.now);
         self.halves.clone_from(&self.now);
         let within = Within::Smooth;
-        let mut tried =
-            Tried { off: 0.0, within, settled: true, impacts: false, impact_energy: 0.0 };
+        let mut tried = Tried {
+            off: 0.0,
+            within,
+            settled: true,
+            hits: false,
+            impacts: false,
+            impact_energy: 0.0,
+        };
         let slow = SHARE * self.accuracy / self.horizon;
         for k in 0..3 {
             let (of, length) =
                 if k == 0 { (&mut self.whole, h) } else { (&mut self.halves, 0.5 * h) };
-            let done = self.world.step(of, length)?;
+            forces.prepare(of, length);
+            self.start.clone_from(of);
+            let done = self.world.step_under(of, length, &(), &*forces)?;
             report.world_steps += 1;
             report.solves += work(&done);
             if k > 0 {
                 tried.settled &= done.settled;
                 tried.impacts |= done.impacts > 0;
                 tried.impact_energy += done.impact_energy;
+                self.touches[k - 1].clear();
+                self.touches[k - 1].extend(self.world.touches().filter(pushes));
             }
+            self.find_works(k, &done, forces);
             self.seen[k].look(&self.world);
             if done.impacts > 0 || self.seen[k].closes(slow * length) {
                 tried.within = Within::Meets;
+                tried.hits = true;
             }
         }
         // The start belongs to the step as well: what just came to touch is no smooth motion.
@@ -389,6 +455,40 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         Ok(tried)
     }
 
+    /// Writes the works of the world's last step.
+    fn find_works(&mut self, k: usize, done: &WorldReport, forces: &impl StepForces) {
+        let (of_contact, of_forces) = self.works[k].split_at_mut(OF_CONTACT);
+        of_contact[0] = -done.friction_energy;
+        of_contact[1] = -done.impact_energy;
+        of_contact[2] = done.lifting_energy;
+        of_forces.fill(0.0);
+        if of_forces.is_empty() {
+            return;
+        }
+        let [before, after] = self.world.velocities();
+        self.mean.copy_from(before);
+        self.mean.add_scaled(1.0, after);
+        self.mean.0.iter_mut().for_each(|v| *v *= 0.5);
+        let after = if k == 0 { &self.whole } else { &self.halves };
+        forces.add_works([&self.start, after], self.mean.view(), of_forces);
+    }
+
+    /// Gives what extrapolation adds to the impulse of two surfaces to where they push hardest at last.
+    fn extrapolate_touches(&mut self) {
+        let [whole, first, second] = &self.seen;
+        let pairs = whole.pairs.iter().zip(&first.pairs).zip(&second.pairs);
+        for ((whole, first), second) in pairs {
+            let beyond = first.impulse + second.impulse - whole.impulse;
+            let of_pair =
+                self.touches[1].iter_mut().filter(|t| t.contact.id.colliders == second.colliders);
+            if let Some(touch) = of_pair.max_by(|a, b| a.normal.total_cmp(&b.normal)) {
+                let along = G::dot(&beyond, &touch.contact.normal);
+                touch.normal += along;
+                touch.friction = touch.friction + beyond - touch.contact.normal * along;
+            }
+        }
+    }
+
     /// Takes the step that was tried.
     fn accept(
         &mut self,
@@ -398,9 +498,15 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         report: &mut ErrorControlledReport,
     ) -> Result<(), ContactError> {
         let smooth = tried.within == Within::Smooth;
-        let motion = if smooth { Motion::Even } else { Motion::Straight };
+        let motion = if tried.hits { Motion::Straight } else { Motion::Even };
         self.pieces.push(&self.now, motion);
         let t = if h == end - self.now.t { end } else { self.now.t + h };
+        if smooth {
+            self.extrapolate_touches();
+        }
+        let works = self.works.each_ref().map(Vec::as_slice);
+        let touches = self.touches.iter().flatten().copied();
+        self.ledger.push((self.now.t, t), [motion == Motion::Even, smooth], works, touches);
         self.now.clone_from(&self.halves);
         self.now.t = t;
         if smooth {
@@ -434,9 +540,13 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         for one in before.iter().filter(|one| !among(last, one)) {
             note(EventKind::ContactEnds, one.bodies, 0.0);
         }
-        self.last.clone_from(&self.seen[2]);
+        std::mem::swap(&mut self.last, &mut self.seen[2]);
         Ok(())
     }
+}
+
+fn pushes<G: Dimension>(touch: &Touch<G>) -> bool {
+    touch.normal > 0.0 || touch.impact > 0.0
 }
 
 fn work(done: &WorldReport) -> usize {

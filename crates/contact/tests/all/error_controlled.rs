@@ -214,3 +214,39 @@ fn steps_chosen_by_error_keep_both_momenta_and_gain_no_energy() {
         assert!(kinetic(&state) < before * (1.0 - 1e-3), "{} {before}", kinetic(&state));
     }
 }
+
+/// What slides loses what friction takes, and what the floor gives is the weight times the time: of any interval.
+#[test]
+fn works_and_impulses_are_those_of_coulomb_and_of_the_weight() {
+    let (angle, friction, speed) = (0.2_f64, 0.4, 3.0);
+    let rub = friction * G * angle.cos();
+    for accuracy in [1e-2, 1e-4] {
+        let (world, mut state) = on_incline(angle, friction, speed);
+        let mut chosen = ErrorControlled::new(world, accuracy).unwrap();
+        let (mut works, mut given) = ([0.0; 3], Vector3::zeros());
+        for _ in 0..20 {
+            let t = state.t;
+            chosen.advance(&mut state, 0.1).unwrap();
+            for ends in [[t, t + 0.013], [t + 0.013, t + 0.07], [t + 0.07, state.t]] {
+                chosen.add_works(ends.into(), &mut works);
+                chosen.show_touches(ends.into(), &mut |time, touch| {
+                    assert!(time > ends[0] && time <= ends[1]);
+                    // The cube is the first collider of the two: what it is given is the opposite.
+                    given -= touch.contact.normal * (touch.normal + touch.impact) + touch.friction;
+                });
+                let way = sliding(angle, friction, speed, ends[1]);
+                assert!((works[0] + rub * way).abs() < 10.0 * accuracy, "{works:?} {way}");
+                assert!((given.z - G * angle.cos() * ends[1]).abs() < 1e-9, "{given} {}", ends[1]);
+                // On the way up the floor and the slope stop it, then it stays.
+                let v = chosen.state_at(ends[1]).unwrap().p.0[0];
+                assert!(
+                    (v - speed - given.x + G * angle.sin() * ends[1]).abs() < 1e-9,
+                    "{v} {given}"
+                );
+            }
+        }
+        let stops = 0.5 * speed * speed / (rub + G * angle.sin());
+        assert!((works[0] + rub * stops).abs() < accuracy, "{works:?}");
+        assert!(works[1].abs() < 1e-12 && works[2].abs() < 1e-12, "{works:?}");
+    }
+}

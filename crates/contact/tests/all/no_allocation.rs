@@ -4,7 +4,7 @@ use allocation_counter::measure;
 use nalgebra::Vector3;
 use stationary_contact::problems::{Boxes, columns_of_boxes, falling_boxes};
 use stationary_contact::{
-    Collider, Detector, EventDriven, FlightOrder, Shape, Spatial, SpatialWorld,
+    Collider, Detector, ErrorControlled, EventDriven, FlightOrder, Shape, Spatial, SpatialWorld,
 };
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, RigidMotion, Rotation};
@@ -50,6 +50,25 @@ fn sweeps_take_no_memory_once_as_many_contacts_have_been_met() {
     assert!(used == 0 && visits > 0, "{used} {visits}");
     // And at rest.
     assert_eq!(allocations(&boxes, 500, 40), (0, 0));
+}
+
+/// Steps chosen by their error, with the works and impulses that they keep, of a box that slides: a call copies what
+/// pushed last, its steps take nothing.
+#[test]
+fn chosen_steps_take_no_memory_once_as_many_were_taken() {
+    let boxes = columns_of_boxes(1, 1).unwrap();
+    let mut first = boxes.state.clone();
+    first.p.0[0] = 2.0;
+    let world = SpatialWorld::new(boxes.system.clone(), detector(1)).unwrap();
+    let mut chosen = ErrorControlled::new(world, 1e-6).unwrap();
+    let mut steps = 0;
+    let mut run = |chosen: &mut ErrorControlled<Spatial, _>| {
+        steps = chosen.advance(&mut first.clone(), 0.1).unwrap().steps;
+    };
+    (0..2).for_each(|_| run(&mut chosen));
+    let used = measure(|| run(&mut chosen)).count_total;
+    // Two of the state, one of what pushed.
+    assert!(used <= 3 && steps > 20, "{used} {steps}");
 }
 
 /// Two boxes in flight, by impacts at their instant.

@@ -5,30 +5,29 @@
 //! s = 1/h int_t^(t+h) strength,       drag   p <- p/(1 + x) before,   p <- (1 - x) p after,   x = h c/2m
 //! damper  F = -c r along a rate r = J v, alike, with J M^-1 J^T for 1/m
 //! W_k = sum of <J_k, M^-1 (p + J_k/2)>,   J_k = h/2 s F_k         the kinetic energy that each brings
-//! W   = sum of <dV/dx, dx>/2                                      of a pin that moves by dx in the step
+//! W   = sum of <dV/dx, dx>/2                                      of pins that move by dx in the step
 //! ```
-//! `F` forces (n), `p` momenta, `M` masses, `c` drag, `V` the springs that a pin that moves pulls at. The
+//! `F` forces (n), `p` momenta, `M` masses, `c` drag, `V` what depends on pins that move (see `by_pins.rs`). The
 //! second kick is the first one backward: order 2 along with any method of that order. Strengths are means
 //! over the step, so that no pulse is missed. Methods that take forces themselves ask for [`Force`].
 
+#[cfg(feature = "elasticity")]
+mod by_pins;
 mod frame;
 mod impulses;
 mod of_scene;
 mod rate;
 
-use stationary_calculus::{Covector, Force, Sink, Vector};
 #[cfg(feature = "elasticity")]
-use {stationary_calculus::Stencil, stationary_elasticity::Spring};
-
+use crate::assemble::acting::by_pins::{ByPins, MovingPin};
 use crate::assemble::acting::frame::Frame;
 use crate::assemble::acting::rate::Rate;
-#[cfg(feature = "elasticity")]
-use crate::assemble::anchor::Anchor;
 use crate::assemble::anchor::wrench;
-#[cfg(feature = "elasticity")]
-use crate::model::drives::PinMotion;
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
+use stationary_calculus::{Covector, Force, Sink, Vector};
+#[cfg(feature = "contact")]
+use stationary_integrators::State;
 
 pub(crate) use impulses::Impulses;
 
@@ -67,9 +66,9 @@ enum What {
     Point { body: usize, point: [f64; 3], force: [f64; 3], torque: [f64; 3] },
     /// What holds back a coordinate: the force over its rate.
     Damper(f64, Rate),
-    /// A spring to a pin that moves.
+    /// An energy that depends on pins that move.
     #[cfg(feature = "elasticity")]
-    Pulled { spring: Spring, pulled: Anchor, pin: PinMotion, start: [f64; 3] },
+    ByPins(ByPins),
 }
 
 /// At which end of a step a kick is.
@@ -100,7 +99,7 @@ impl Acting {
         acts.extend(scene.loads());
         acts.extend(scene.motors());
         acts.extend(scene.dampers());
-        acts.extend(scene.pulled());
+        acts.extend(scene.by_pins());
         if acts.is_empty() {
             return None;
         }
@@ -119,14 +118,31 @@ impl Acting {
         &self.works
     }
 
-    /// The energy of the springs to pins that move.
+    /// The energies that depend on pins that move.
     pub(crate) fn energy(&self, t: f64, q: &[f64]) -> f64 {
-        self.acts.iter().map(|act| act.what.energy(t, q, self.each)).sum()
+        self.acts.iter().map(|act| act.what.energy((t, q), self.each)).sum()
     }
 
     /// The first time after `t` at which a strength is not smooth.
     pub(crate) fn next_corner(&self, t: f64) -> Option<f64> {
-        self.acts.iter().filter_map(|act| act.strength.next_corner(t)).min_by(f64::total_cmp)
+        let of_acts = self.acts.iter().filter_map(|act| act.strength.next_corner(t));
+        let of_pins = self.acts.iter().filter_map(|act| act.what.next_corner(t));
+        of_acts.chain(of_pins).min_by(f64::total_cmp)
+    }
+
+    /// The first ball inside of which a pin is that attracts it: their numbers, their distance and its radius.
+    #[cfg(feature = "rigid")]
+    pub(crate) fn inside(&self, t: f64, q: &[f64]) -> Option<([usize; 2], [f64; 2])> {
+        #[cfg(feature = "elasticity")]
+        for act in &self.acts {
+            if let What::ByPins(led) = &act.what
+                && let Some(inside) = led.inside((t, q), self.each)
+            {
+                return Some(inside);
+            }
+        }
+        let _ = (t, q);
+        None
     }
 
     /// Adds the impulses of half a step.
@@ -146,7 +162,7 @@ impl Acting {
                 brought += impulse * inverse[freedom] * (p[freedom] + 0.5 * impulse);
                 p[freedom] += impulse;
             });
-            *work += match act.what.pulled_along((now, q), (t, t + h), *each) {
+            *work += match act.what.work_of_pins((now, q), (t, t + h), *each) {
                 Some(pulled) => 0.5 * pulled,
                 None => brought,
             };
@@ -206,7 +222,7 @@ impl Acting {
                     let rate = rate.now(t, q, *each);
                     -c * rate.of_momenta(p, inverse)[1] * rate.along(u)
                 }
-                _ => match act.what.pulling_power((t, q), *each) {
+                _ => match act.what.power_of_pins((t, q), *each) {
                     Some(power) => power,
                     None => {
                         let mut power = 0.0;
@@ -264,6 +280,28 @@ impl Acting {
         }
     }
 
+    /// Adds the works of what was given over a step between two states, along its mean velocity `u`; of a pin that
+    /// moves that of its own motion.
+    #[cfg(feature = "contact")]
+    pub(crate) fn add_given_works(
+        &self,
+        given: &Impulses,
+        [before, after]: [&State<Vec<f64>>; 2],
+        u: &[f64],
+        works: &mut [f64],
+    ) {
+        let brought = given.works(|freedom| u[freedom]);
+        for ((act, brought), work) in self.acts.iter().zip(brought).zip(works) {
+            let pulled = |now: &State<Vec<f64>>| {
+                act.what.work_of_pins((now.t, &now.q), (before.t, after.t), self.each)
+            };
+            *work += match (pulled(before), pulled(after)) {
+                (Some(first), Some(last)) => 0.5 * (first + last),
+                _ => brought,
+            };
+        }
+    }
+
     /// Forgets the works of the last step.
     pub(crate) fn begin(&mut self) {
         self.works.fill(0.0);
@@ -309,63 +347,55 @@ impl What {
                 }
             }
             #[cfg(feature = "elasticity")]
-            What::Pulled { pulled, .. } => {
-                if let Some([_, pull]) = self.pull(now, each) {
-                    pulled.pull(now.1, each, &pull.map(|pull| -pull), tell);
-                }
-            }
+            What::ByPins(led) => led.forces(now, each, tell),
         }
     }
 
-    /// The differential of the energy of a spring to a pin, by the places of the pin and of what it pulls.
-    #[cfg(feature = "elasticity")]
-    fn pull(&self, (t, q): (f64, &[f64]), each: usize) -> Option<[[f64; 3]; 2]> {
-        let What::Pulled { spring, pulled, pin, start } = self else { return None };
-        let ends = [pin.place(*start, t), pulled.place(q, each)];
-        Some(Stencil::<2, 3>::differential(spring, &ends))
-    }
-
-    #[cfg(not(feature = "elasticity"))]
-    fn pull(&self, _: (f64, &[f64]), _: usize) -> Option<[[f64; 3]; 2]> {
-        None
-    }
-
-    /// The energy of a spring to a pin.
-    fn energy(&self, t: f64, q: &[f64], each: usize) -> f64 {
+    /// The energy that depends on pins that move.
+    fn energy(&self, now: (f64, &[f64]), each: usize) -> f64 {
         #[cfg(feature = "elasticity")]
-        if let What::Pulled { spring, pulled, pin, start } = self {
-            let ends = [pin.place(*start, t), pulled.place(q, each)];
-            return Stencil::<2, 3>::energy(spring, &ends);
+        if let What::ByPins(led) = self {
+            return led.energy(now, each);
         }
-        let _ = (t, q, each);
+        let _ = (now, each);
         0.0
     }
 
-    /// The work on a spring whose pin moves through an interval, with the force of one moment.
-    fn pulled_along(&self, now: (f64, &[f64]), (from, to): (f64, f64), each: usize) -> Option<f64> {
-        let [pull, _] = self.pull(now, each)?;
-        let [a, b] = [from, to].map(|t| self.pin_at(t));
-        Some((0..3).map(|c| pull[c] * (b[c] - a[c])).sum())
-    }
-
-    /// The power on a spring whose pin moves.
-    fn pulling_power(&self, now: (f64, &[f64]), each: usize) -> Option<f64> {
-        let [pull, _] = self.pull(now, each)?;
+    /// The work of pins that move through an interval, with the forces of one moment; none without pins.
+    fn work_of_pins(&self, now: (f64, &[f64]), (from, to): (f64, f64), each: usize) -> Option<f64> {
         #[cfg(feature = "elasticity")]
-        if let What::Pulled { pin, .. } = self {
-            return Some(pull.iter().zip(pin.velocity(now.0)).map(|(f, v)| f * v).sum());
+        if let What::ByPins(led) = self {
+            let work = |(pin, push): (&MovingPin, [f64; 3])| {
+                let [a, b] = [from, to].map(|t| pin.place(t));
+                (0..3).map(|c| push[c] * (b[c] - a[c])).sum::<f64>()
+            };
+            return Some(led.by_places(now, each).into_iter().map(work).sum());
         }
-        Some(pull[0])
+        let _ = (now, from, to, each);
+        None
     }
 
-    /// Where a pin is that moves.
-    fn pin_at(&self, t: f64) -> [f64; 3] {
+    /// Their power.
+    fn power_of_pins(&self, now: (f64, &[f64]), each: usize) -> Option<f64> {
         #[cfg(feature = "elasticity")]
-        if let What::Pulled { pin, start, .. } = self {
-            return pin.place(*start, t);
+        if let What::ByPins(led) = self {
+            let power = |(pin, push): (&MovingPin, [f64; 3])| {
+                push.iter().zip(pin.motion.velocity(now.0)).map(|(f, v)| f * v).sum::<f64>()
+            };
+            return Some(led.by_places(now, each).into_iter().map(power).sum());
+        }
+        let _ = (now, each);
+        None
+    }
+
+    /// The first time after `t` at which pins do not move smoothly.
+    fn next_corner(&self, t: f64) -> Option<f64> {
+        #[cfg(feature = "elasticity")]
+        if let What::ByPins(led) = self {
+            return led.next_corner(t);
         }
         let _ = t;
-        [0.0; 3]
+        None
     }
 }
 

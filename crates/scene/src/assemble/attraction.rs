@@ -11,7 +11,6 @@ use stationary_integrators::CentralGravity;
 use stationary_rigid::Poses;
 
 use crate::assemble::anchor::Anchor;
-use crate::model::body_shape::BodyShape;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 
@@ -50,13 +49,9 @@ impl Scene {
         let bodies = own.iter().enumerate().map(|(index, body)| Attracting {
             mass: body.mass,
             at: Anchor::Body(index, [0.0; 3]),
-            radius: match body.shape {
-                // A particle is a point whose radius is for touching.
-                BodyShape::Ball(radius) if !body.point_mass => radius,
-                _ => 0.0,
-            },
+            radius: body.attracting_radius(),
         });
-        let pins = self.gravity.fixed.iter().map(|&(pin, mass)| Attracting {
+        let pins = self.still_attractors().map(|(pin, mass)| Attracting {
             mass,
             at: Anchor::World(self.particles[pin].position),
             radius: 0.0,
@@ -74,7 +69,10 @@ impl Scene {
     pub(crate) fn attracting(&self, number: usize) -> &str {
         match number.checked_sub(self.bodies.len()) {
             None => &self.bodies[number].name,
-            Some(pin) => &self.particles[self.gravity.fixed[pin].0].name,
+            Some(pin) => {
+                let (particle, _) = self.still_attractors().nth(pin).unwrap_or_default();
+                &self.particles[particle].name
+            }
         }
     }
 }

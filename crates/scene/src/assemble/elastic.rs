@@ -7,8 +7,10 @@
 //! hold one another by shared particles. What the elements are is known only when a file is read: each
 //! kind has a word of its own here, so that its loops are compiled for it.
 
+use std::borrow::Cow;
+
 use nalgebra::SVector;
-use stationary_calculus::{Covector, Potential, Sink, Stencils};
+use stationary_calculus::{Covector, Potential, Sink, Stencil, Stencils};
 use stationary_elasticity::{
     ElasticityError, Elements, FixedCorotated, Freedoms, Held, Hinge, Lame, Linear, LinearSegment,
     LinearTetrahedron, LinearTriangle, Material, NeoHookean, QuadraticSegment,
@@ -201,9 +203,23 @@ impl Potential for ElasticBodies {
 
 type Parts = Result<Vec<Part>, AssemblyError>;
 
+/// Which elements of a body are laid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Which {
+    All,
+    /// Those without vertices that move as they are told.
+    Still,
+    /// Those with such vertices.
+    Moved,
+}
+
 /// A body and what it is laid into.
 struct Laid<'a, const D: usize> {
     body: &'a ElasticBody,
+    /// The same with all elements.
+    whole: &'a ElasticBody,
+    /// Whether what has these vertices belongs to it.
+    keeps: &'a dyn Fn(&[usize]) -> bool,
     freedoms: &'a Freedoms<D>,
     /// Where every vertex of the scene is when the body is at rest.
     rest: Vec<SVector<f64, D>>,
@@ -214,18 +230,41 @@ impl Scene {
     /// The elastic bodies of the scene.
     pub(crate) fn elastic_bodies<const D: usize>(
         &self,
+        which: Which,
         vertices: &Vertices,
     ) -> Result<ElasticBodies, AssemblyError> {
+        let of = (self.solids.as_slice(), which);
         let parts = match D {
             _ if self.solids.is_empty() => Vec::new(),
-            1 => self.laid(vertices, on_a_line)?,
-            2 => self.laid(vertices, in_the_plane)?,
-            _ => self.laid(vertices, in_space)?,
+            1 => self.laid(of, vertices, on_a_line)?,
+            2 => self.laid(of, vertices, in_the_plane)?,
+            _ => self.laid(of, vertices, in_space)?,
         };
         Ok(ElasticBodies { freedoms: D * vertices.free, parts })
     }
 
-    fn laid<const D: usize>(&self, vertices: &Vertices, make: fn(&Laid<'_, D>) -> Parts) -> Parts {
+    /// The elements of a body that have moving vertices, where there are any.
+    pub(crate) fn moved_part(
+        &self,
+        body: &ElasticBody,
+        vertices: &Vertices,
+    ) -> Result<Option<ElasticBodies>, AssemblyError> {
+        let of = (std::slice::from_ref(body), Which::Moved);
+        let parts = match self.dimension {
+            1 => self.laid(of, vertices, on_a_line)?,
+            2 => self.laid(of, vertices, in_the_plane)?,
+            _ => self.laid(of, vertices, in_space)?,
+        };
+        let freedoms = self.dimension * vertices.free;
+        Ok((!parts.is_empty()).then_some(ElasticBodies { freedoms, parts }))
+    }
+
+    fn laid<const D: usize>(
+        &self,
+        (bodies, which): (&[ElasticBody], Which),
+        vertices: &Vertices,
+        make: fn(&Laid<'_, D>) -> Parts,
+    ) -> Parts {
         let place = |&particle: &usize| leading::<D>(self.particles[particle].position);
         let places: Vec<[f64; D]> = vertices.particles.iter().map(place).collect();
         let pinned = places.iter().enumerate().skip(vertices.free);
@@ -237,13 +276,29 @@ impl Scene {
             })
         });
         let freedoms = Freedoms::<D>::new(places.len(), &held.collect::<Vec<_>>())?;
+        let mut moves = vec![false; self.particles.len()];
+        self.drives.motions.iter().for_each(|motion| moves[motion.particle] = true);
+        let moved = |nodes: &[usize]| nodes.iter().any(|&node| moves.get(node) == Some(&true));
+        let keeps = |nodes: &[usize]| match which {
+            Which::All => true,
+            Which::Still => !moved(nodes),
+            Which::Moved => moved(nodes),
+        };
         let mut all = Vec::new();
-        for body in &self.solids {
+        for whole in bodies {
+            let mut body = Cow::Borrowed(whole);
+            if which != Which::All && !self.drives.motions.is_empty() {
+                body.to_mut().simplices = whole.simplices.kept(&whole.middles, keeps);
+                if body.simplices.is_empty() {
+                    continue;
+                }
+            }
             let mut rest: Vec<SVector<f64, D>> = places.iter().map(|&x| x.into()).collect();
             for (vertex, &x) in body.rest.iter().enumerate() {
                 rest[vertices.of_particle[body.first + vertex]] = leading::<D>(x).into();
             }
-            all.extend(make(&Laid { body, freedoms: &freedoms, rest, vertices })?);
+            let (body, keeps) = (&*body, &keeps);
+            all.extend(make(&Laid { body, whole, keeps, freedoms: &freedoms, rest, vertices })?);
         }
         Ok(all)
     }
@@ -387,9 +442,14 @@ fn membrane(laid: &Laid<'_, 3>, triangles: &[[usize; 3]]) -> Parts {
     }
     let mesh = laid.mesh(triangles)?;
     let mut parts = vec![Part::Membrane(laid.solid(LinearTriangle, &mesh, material)?)];
-    if let Some(bending) = laid.body.bending {
+    if let (Some(bending), Simplices::Triangles(whole)) = (laid.body.bending, &laid.whole.simplices)
+    {
         let fixed = laid.rest[laid.vertices.free..].iter().map(|&x| x.into()).collect();
-        parts.push(Part::Folds(Stencils::new(laid.vertices.free, fixed, hinges(&mesh, bending)?)?));
+        // A fold lies between two triangles, of which one alone may be laid.
+        let mut folds = hinges(&laid.mesh(whole)?, bending)?;
+        let particles = &laid.vertices.particles;
+        folds.retain(|fold| (laid.keeps)(&fold.vertices().map(|vertex| particles[vertex])));
+        parts.push(Part::Folds(Stencils::new(laid.vertices.free, fixed, folds)?));
     }
     Ok(parts)
 }

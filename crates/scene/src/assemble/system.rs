@@ -14,13 +14,15 @@ use stationary_integrators::{NewtonianGravity, State, UniformGravity};
 use crate::assemble::error::AssemblyError;
 use crate::assemble::vertices::{Vertices, leading};
 use crate::model::built::Built;
+#[cfg(feature = "modal")]
+use crate::model::drives::Drives;
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
 
 #[cfg(feature = "contact")]
 use crate::assemble::contacts::Penalty;
 #[cfg(feature = "elasticity")]
-use crate::assemble::elastic::ElasticBodies;
+use crate::assemble::elastic::{ElasticBodies, Which};
 #[cfg(feature = "modal")]
 use crate::assemble::rest;
 #[cfg(feature = "elasticity")]
@@ -175,7 +177,7 @@ impl Scene {
         });
         let fixed = || {
             let place = |pin: usize| leading::<D>(self.particles[pin].position);
-            self.gravity.fixed.iter().map(|&(pin, mass)| (mass, place(pin))).collect()
+            self.still_attractors().map(|(pin, mass)| (mass, place(pin))).collect()
         };
         let newtonian = self.gravity.constant.map(|constant| NewtonianGravity {
             constant,
@@ -192,7 +194,7 @@ impl Scene {
         #[cfg(feature = "contact")]
         let penalty = self.penalty(&mut built)?;
         #[cfg(feature = "elasticity")]
-        let elastic = self.elastic_bodies::<D>(&vertices)?;
+        let elastic = self.elastic_bodies::<D>(Which::Still, &vertices)?;
         #[cfg(feature = "elasticity")]
         elastic.count(&mut built);
         let q = match self.hung.as_slice() {
@@ -234,7 +236,9 @@ impl Scene {
         vertices: &Vertices,
         built: &mut Built,
     ) -> Result<Vec<f64>, AssemblyError> {
-        let mut held = Scene { hung: Vec::new(), ..self.clone() };
+        // Pins that move are where they start.
+        let drives = Drives { motions: Vec::new(), ..self.drives.clone() };
+        let mut held = Scene { hung: Vec::new(), drives, ..self.clone() };
         for &particle in &self.hung {
             held.particles[particle].motion = Motion::Pinned;
         }

@@ -27,6 +27,19 @@ impl Vertices {
         }
         Vertices { of_particle, particles, free }
     }
+
+    /// The same with the pins that move behind the free ones and counted with them.
+    #[cfg(feature = "elasticity")]
+    pub(crate) fn with_moving(scene: &Scene) -> Self {
+        let Vertices { mut of_particle, mut particles, free } = Vertices::new(scene);
+        particles[free..].sort_by_key(|&particle| !scene.drives.moves(particle));
+        let moving = particles[free..].iter().filter(|&&particle| scene.drives.moves(particle));
+        let free = free + moving.count();
+        for (vertex, &particle) in particles.iter().enumerate() {
+            of_particle[particle] = vertex;
+        }
+        Vertices { of_particle, particles, free }
+    }
 }
 
 /// Whether full matrices are factored, not sparse ones.

@@ -54,6 +54,18 @@ pub struct RigidBody {
     pub point_mass: bool,
 }
 
+impl RigidBody {
+    /// Up to here it is a ball that attracts as a point does.
+    #[cfg(any(feature = "elasticity", feature = "rigid"))]
+    pub(crate) fn attracting_radius(&self) -> f64 {
+        match self.shape {
+            // A particle is a point whose radius is for touching.
+            BodyShape::Ball(radius) if !self.point_mass => radius,
+            _ => 0.0,
+        }
+    }
+}
+
 /// What a joint leaves free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum JointKind {

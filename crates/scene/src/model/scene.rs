@@ -249,6 +249,11 @@ impl Scene {
         followed
     }
 
+    /// Pinned particles that attract and stay, with their masses.
+    pub(crate) fn still_attractors(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.gravity.fixed.iter().copied().filter(|&(pin, _)| !self.drives.moves(pin))
+    }
+
     /// Whether its things touch by impulses, and not by springs.
     pub(crate) fn has_impulses(&self) -> bool {
         self.contact.as_ref().is_some_and(|contact| contact.stiffness.is_none())
@@ -259,14 +264,9 @@ impl Scene {
         self.contact.is_some() && !self.bodies.is_empty()
     }
 
-    /// Whether bodies touch in steps that are chosen by their error, which tell no impulses of contacts.
+    /// Whether bodies touch in steps that are chosen by their error.
     pub(crate) fn chooses_contact_steps(&self) -> bool {
         self.stepping.tolerance().is_some() && self.touches_as_bodies()
-    }
-
-    /// Whether steps tell the impulses of its contacts.
-    pub(crate) fn tells_impulses(&self) -> bool {
-        self.has_impulses() && !self.chooses_contact_steps()
     }
 
     /// Whether its joints have limits or friction, or rods beside bodies break.

@@ -31,6 +31,28 @@ impl Simplices {
         self.len() == 0
     }
 
+    /// Those of them whose corners and middles of edges are as asked.
+    #[cfg(feature = "elasticity")]
+    pub(crate) fn kept(&self, middles: &Middles, keeps: impl Fn(&[usize]) -> bool) -> Self {
+        fn keep<const K: usize, const N: usize>(
+            all: &[[usize; K]],
+            middles: &Middles,
+            keeps: impl Fn(&[usize]) -> bool,
+        ) -> Vec<[usize; K]>
+        where
+            [usize; K]: Simplex,
+        {
+            let nodes = with_middles::<K, N>(all, middles);
+            let kept = all.iter().zip(nodes).filter(|(_, nodes)| keeps(nodes));
+            kept.map(|(corners, _)| *corners).collect()
+        }
+        match self {
+            Simplices::Segments(all) => Simplices::Segments(keep::<2, 3>(all, middles, keeps)),
+            Simplices::Triangles(all) => Simplices::Triangles(keep::<3, 6>(all, middles, keeps)),
+            Simplices::Tetrahedra(all) => Simplices::Tetrahedra(keep::<4, 10>(all, middles, keeps)),
+        }
+    }
+
     /// The same simplices of vertices that are numbered from `first`.
     pub(crate) fn shifted(&self, first: usize) -> Self {
         fn shift<const K: usize>(all: &[[usize; K]], first: usize) -> Vec<[usize; K]> {

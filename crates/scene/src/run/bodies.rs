@@ -193,8 +193,14 @@ impl Recorder for BodyRecorder<'_> {
 
     fn check(&self, state: &State<Vec<f64>>) -> Result<(), StepFailure> {
         let inside = self.system.attraction().and_then(|attraction| attraction.inside(&state.q));
-        let Some((pair, [distance, radii])) = inside else { return Ok(()) };
-        let [first, second] = pair.map(|number| self.scene.attracting(number).to_owned());
+        if let Some((pair, [distance, radii])) = inside {
+            let [first, second] = pair.map(|number| self.scene.attracting(number).to_owned());
+            return Err(StepFailure::Inside { first, second, distance, radii });
+        }
+        let of_pins = self.acting.as_ref().and_then(|acting| acting.inside(state.t, &state.q));
+        let Some(([body, pin], [distance, radii])) = of_pins else { return Ok(()) };
+        let first = self.scene.bodies[body].name.clone();
+        let second = self.scene.particles[pin].name.clone();
         Err(StepFailure::Inside { first, second, distance, radii })
     }
 

@@ -9,10 +9,10 @@
 //! as long as what it keeps is little and as its first short steps do not count; a run goes on from its start,
 //! so that nothing but the state is remembered. Where a stretch fails, a single step of the scene is tried.
 //!
-//! The work of impacts is that of all impacts of the stretch, with their friction. Friction that lasts is not told
-//! apart from the error of steps, and so are impulses of contacts.
+//! Works and impulses of contacts are those of the chosen steps, each in the part of it that falls into a step of the
+//! scene: what is left of the energy's budget is the error of the steps.
 
-use stationary_calculus::{Covector, Potential};
+use stationary_calculus::{Covector, Force, Potential};
 use stationary_contact::{
     BodiesIn, ColliderIn, ContactError, ErrorControlled, ErrorControlledReport, EventKind, Flies,
     World,
@@ -27,7 +27,9 @@ use crate::model::items::SceneContact;
 use crate::model::scene::Scene;
 use crate::model::stepping::ERROR_CONTROLLED;
 use crate::run::checkpoint::{Before, CheckpointError};
+use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
+use crate::run::given::Given;
 use crate::run::samples::{ChosenSteps, Impacts};
 use crate::run::stepper::{Stepped, Stepper};
 use crate::run::touching;
@@ -67,7 +69,7 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
 ) -> Made<'a> {
     let accuracy = tolerance * scene.scale();
     let parts = Parts { scene, contact, system: Box::new(system), colliders, accuracy };
-    let (bodies, now) = (parts.start()?, initial.clone());
+    let (bodies, now, given) = (parts.start()?, initial.clone(), Given::of(scene));
     Ok(Box::new(Chosen {
         parts,
         bodies,
@@ -75,13 +77,16 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
         stretch: Stretch { from: 0, length: 1, first: now.clone() },
         next: 1,
         to: 0,
-        now,
         settled: true,
         seen: 0,
-        work: [0.0],
+        pins: touching::RoundPins::of(scene),
+        read: [now.t; 2],
+        works: Vec::new(),
+        given,
         own: Vec::new(),
         ends: Vec::new(),
         states: Vec::new(),
+        now,
     }))
 }
 
@@ -126,8 +131,12 @@ struct Chosen<'a, G: Flies, P> {
     settled: bool,
     /// Events of the stretch that were counted.
     seen: usize,
-    /// That of impacts, as [`Scene::works_of`] names it.
-    work: [f64; 1],
+    given: Given,
+    pins: touching::RoundPins,
+    /// The interval of which works and impulses were told last.
+    read: [f64; 2],
+    /// What acts, then friction, impacts and lifting, as [`Scene::works_of`] names them.
+    works: Vec<f64>,
     /// Parts of the scene's steps at which states are kept, the end of the last step, and its states.
     own: Vec<f64>,
     ends: Vec<f64>,
@@ -142,7 +151,7 @@ impl<G: Flies, P: Potential> Chosen<'_, G, P> {
         let report = loop {
             let end = self.steps.time(from + length);
             self.bodies = self.parts.start()?;
-            match self.bodies.advance(&mut self.now, end - first.t) {
+            match self.bodies.advance_under(&mut self.now, end - first.t, &mut self.given) {
                 Ok(report) => {
                     self.now.t = end;
                     break report;
@@ -169,6 +178,16 @@ impl<G: Flies, P: Potential> Chosen<'_, G, P> {
     /// The state at a time of the stretch.
     fn at(&self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
         if self.about(t) >= self.now.t { Ok(self.now.clone()) } else { self.bodies.state_at(t) }
+    }
+
+    /// Reads the works of the interval that is told next.
+    fn read_works(&mut self, to: f64) {
+        self.read = [self.read[1], to];
+        self.works.clear();
+        self.works.resize(3 + self.given.works(), 0.0);
+        self.bodies.add_works(self.read.into(), &mut self.works);
+        // Of contact, which the scene names last.
+        self.works.rotate_left(3);
     }
 
     /// Keeps states within a step of the scene and at its end, where they are asked for.
@@ -203,18 +222,17 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
         self.states.clear();
         if self.about(h) > self.steps.step() {
             self.ends.push(to);
+            self.read_works(to);
             self.keep((to - h, to))?;
         }
         let last = self.about(to);
         let events = self.bodies.events().iter().skip(self.seen);
         let met = events.take_while(|event| event.time <= last);
         let (mut count, mut time) = (0, to);
-        self.work = [0.0];
         for event in met {
             self.seen += 1;
             if event.kind == EventKind::Impact {
                 (count, time) = (count + 1, event.time.min(to));
-                self.work[0] -= event.energy;
             }
         }
         let impacts = (count > 0).then_some(Impacts { time, count });
@@ -240,7 +258,15 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
     }
 
     fn works(&self) -> &[f64] {
-        &self.work
+        &self.works
+    }
+
+    fn pushes(&self, _: f64, see: &mut dyn FnMut(Push)) {
+        let Parts { colliders, contact, .. } = &self.parts;
+        let of = (Colliders::of(colliders, contact), &self.pins);
+        self.bodies.show_touches(self.read.into(), &mut |time, touch| {
+            see(touching::push(of, touch, time));
+        });
     }
 
     /// Where the stretch starts: it is taken once more.
@@ -271,6 +297,7 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
         if self.about(self.now.t) < state.t {
             self.go_on().map_err(AssemblyError::from)?;
         }
+        self.read = [state.t; 2];
         let last = self.about(state.t);
         self.seen = self.bodies.events().iter().take_while(|event| event.time <= last).count();
         Ok(())

@@ -13,7 +13,7 @@
 
 use crate::assemble::error::AssemblyError;
 #[cfg(feature = "elasticity")]
-use crate::assemble::vertices::Vertices;
+use crate::assemble::{elastic::Which, vertices::Vertices};
 use crate::model::contact_side::ContactSide;
 use crate::model::items::Stress;
 use crate::model::particle::Motion;
@@ -66,8 +66,8 @@ impl Scene {
 
     #[cfg(feature = "elasticity")]
     fn stress_field_in<const D: usize>(&self) -> Result<StressField, AssemblyError> {
-        let vertices = Vertices::new(self);
-        let elastic = self.elastic_bodies::<D>(&vertices)?;
+        let vertices = Vertices::with_moving(self);
+        let elastic = self.elastic_bodies::<D>(Which::All, &vertices)?;
         Ok(Box::new(move |places| {
             let free = &vertices.particles[..vertices.free];
             let place = |&particle: &usize| &places[D * particle..D * (particle + 1)];

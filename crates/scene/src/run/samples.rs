@@ -273,7 +273,7 @@ impl Run {
 
     /// What things that touch gave each other from one sample to the next, in the order of the
     /// samples; at most [`limits::CONTACT_ROWS`](crate::limits::CONTACT_ROWS) rows, whole intervals
-    /// from the start. None of what touches by springs, nor of `error-controlled`.
+    /// from the start. None of what touches by springs.
     pub fn contact_impulses(&self) -> &[ContactImpulse] {
         &self.samples.contacts.rows
     }

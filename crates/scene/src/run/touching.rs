@@ -3,20 +3,18 @@
 //! ```text
 //! v~ = v + h M^-1 (F - dV)          F loads, motors with a torque, drag, dampers, gravity in time
 //! joints, contacts with friction    solved together
-//! W_k = <h F_k, (v+ + v')/2>        v+ after impacts, v' at the end of the step
 //! ```
 //! The works of friction, impacts and joints are those of the [report](stationary_contact::WorldReport). What
 //! is left of the energy's budget is the defect of steps of order 1.
 
-use stationary_calculus::{Covector, Force, Potential, Vector};
+use stationary_calculus::{Force, Potential, Vector};
 use stationary_contact::{
-    ColliderIn, ContactError, Detector, DetectorIn, Dimension, ImpactLaw, PlanarDetector, Touch,
-    World,
+    ColliderIn, ContactError, Detector, DetectorIn, Dimension, ImpactLaw, PlanarDetector,
+    StepForces, Touch, World,
 };
 use stationary_integrators::{Saved, State};
 use stationary_rigid::BodyMethod;
 
-use crate::assemble::acting::{Acting, Impulses};
 use crate::assemble::body_system::{InSpace, InThePlane};
 use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
@@ -27,6 +25,7 @@ use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
+use crate::run::given::Given;
 use crate::run::joint_set::JointSet;
 use crate::run::joints;
 use crate::run::stepper::{Stepped, Stepper};
@@ -121,8 +120,9 @@ struct Touching<G: Dimension, P> {
     colliders: Colliders,
     pins: RoundPins,
     obstacles: Obstacles,
-    acting: Option<Acting>,
-    given: Impulses,
+    given: Given,
+    before: State<Vec<f64>>,
+    mean: Vec<f64>,
     /// What acts, then friction, impacts, lifting and joints, as [`Scene::works_of`] names them.
     works: Vec<f64>,
 }
@@ -145,8 +145,9 @@ impl<'a, G: Dimension, P: Potential + 'a> Touching<G, P> {
             colliders,
             pins: RoundPins::of(scene),
             obstacles: Obstacles::of(scene),
-            acting: Acting::of(scene),
-            given: Impulses::default(),
+            given: Given::of(scene),
+            before: State::default(),
+            mean: Vec::new(),
             works: Vec::new(),
         }))
     }
@@ -207,24 +208,6 @@ pub(crate) fn push<G: Dimension>(
     }
 }
 
-/// Impulses of a step as a force that lasts through it.
-struct Over<'a> {
-    impulses: &'a Impulses,
-    h: f64,
-}
-
-impl Force for Over<'_> {
-    fn dim(&self) -> usize {
-        self.impulses.dim()
-    }
-
-    fn add_force(&self, _: f64, _: &[f64], _: Vector<&[f64]>, f: Covector<&mut [f64]>) {
-        for &(freedom, impulse) in self.impulses.entries() {
-            f.0[freedom] += impulse / self.h;
-        }
-    }
-}
-
 impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
     fn step(
         &mut self,
@@ -232,23 +215,24 @@ impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
         h: f64,
         to: f64,
     ) -> Result<Stepped, StepFailure> {
-        self.given.clear();
-        if let Some(acting) = &self.acting {
-            let over = (state.t, h);
-            acting.give(over, &state.q, state.p.components(), &mut self.given);
-        }
-        let forces = Over { impulses: &self.given, h };
+        self.given.prepare(state, h);
+        self.before.clone_from(state);
+        let forces = &self.given;
         let met = if self.obstacles.is_empty() {
-            self.world.step_under(state, h, &self.joints, &forces)?
+            self.world.step_under(state, h, &self.joints, forces)?
         } else {
             let with = self.obstacles.with(state, h);
-            let met = self.world.step_under(with, h, &self.joints, &forces)?;
+            let met = self.world.step_under(with, h, &self.joints, forces)?;
             self.obstacles.without(state);
             met
         };
         self.works.clear();
+        self.works.resize(self.given.works(), 0.0);
         let [before, after] = self.world.velocities();
-        self.works.extend(self.given.works(|freedom| 0.5 * (before.0[freedom] + after.0[freedom])));
+        self.mean.clear();
+        self.mean
+            .extend(before.0.iter().zip(after.0).map(|(before, after)| 0.5 * (before + after)));
+        self.given.add_works([&self.before, state], Vector(&self.mean), &mut self.works);
         if self.touches {
             self.works.extend([-met.friction_energy, -met.impact_energy]);
         }

@@ -56,7 +56,7 @@ pub(crate) fn write(run: &Run, folder: &Path) -> Result<(), WriteError> {
     if scene.heat.is_some() {
         write_file(&folder.join("temperature.csv"), |out| temperatures(run, out))?;
     }
-    if scene.tells_impulses() {
+    if scene.has_impulses() {
         write_file(&folder.join("contacts.csv"), |out| contacts(run, out))?;
     }
     Ok(())

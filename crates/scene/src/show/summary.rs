@@ -102,9 +102,7 @@ fn budget(run: &Run) -> Option<Table> {
         table.push([name.into(), above_rounding(work, scale)]);
     }
     let rest = match scene.contact() {
-        Some(_) if scene.chooses_contact_steps() => {
-            "friction that lasts, and the error of the steps".to_owned()
-        }
+        Some(_) if scene.chooses_contact_steps() => "error of the chosen steps".to_owned(),
         _ if scene.has_inequalities() => "defect of the steps, of order 1".to_owned(),
         Some(_) => format!("impacts, and the defect of {}", scene.stepping()),
         None => format!("defect of {}", scene.stepping()),

@@ -263,7 +263,7 @@ fn point_fields(
         numbers(out, "orientation", carried().map(|body| body.orientation))?;
         numbers(out, "angular_velocity", carried().map(|body| body.angular_velocity))?;
     }
-    if scene.tells_impulses() {
+    if scene.has_impulses() {
         let none = surfaces.points().map(|_| [0.0; 3]);
         numbers(out, "contact_impulse", run.impulses_on(sample).into_iter().chain(none))?;
     }

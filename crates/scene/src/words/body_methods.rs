@@ -4,6 +4,7 @@ use stationary_integrators::Method;
 use stationary_rigid::BodyMethod;
 
 use crate::model::body_shape::BodyShape;
+use crate::model::drives::PinMotion;
 use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
@@ -74,10 +75,11 @@ impl Scene {
             let instead = "leave the speed of one out: it follows from the others";
             return refused("motors with a speed at all joints of a loop", instead);
         }
+        let led = "rods to pins that move (its equations of rods do not depend on time)";
         match (self.moves_rods(), self.dimension) {
             (false, _) => Ok(()),
-            (true, 3) => refused("rods to pins that move", "name `variational-rotation`"),
-            _ => refused("rods to pins that move", "name `stormer-verlet`"),
+            (true, 3) => refused(led, "name `variational-rotation`"),
+            _ => refused(led, "name `stormer-verlet`"),
         }
     }
 
@@ -105,10 +107,13 @@ impl Scene {
 
     /// An error where something acts on the scene's bodies for which such a method has no place.
     fn check_contact_alone(&self) -> Result<(), Fault> {
+        let chooses = self.chooses_contact_steps();
+        let round = |motion: &PinMotion| self.particles[motion.particle].radius > 0.0;
         let what = match self.is_driven() {
             _ if self.has_joints() => "joints or rods",
-            true => "loads, motors, drag, dampers, a frame that turns or changing gravity",
-            false => return Ok(()),
+            true if !chooses => "loads, drag, dampers, a frame that turns or changing gravity",
+            true if self.drives.motions.iter().any(round) => "pins that move and touch",
+            _ => return Ok(()),
         };
         let instead = match self.dimension {
             3 => "name `variational-rotation`",

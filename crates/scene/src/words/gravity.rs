@@ -27,7 +27,7 @@ table! {
         strength: Option<Spanned<StrengthDeclaration>> = Kind::Strength,
     }
 
-    /// Attraction between every two particles and balls in space; a pinned one that has a mass attracts, and stays.
+    /// Attraction between every two particles and balls in space; a pinned one that has a mass attracts too.
     pub(crate) struct NewtonianGravityDeclaration = "a table with a constant" {
         /// The constant G.
         constant: Spanned<Number> = Kind::Positive,

@@ -20,7 +20,7 @@ use crate::words::table::{Kind, table};
 use crate::words::word::{ELASTICITY, Feature, Of, Word};
 
 table! {
-    /// A pinned particle that moves as it is told; springs pull at what moves, and rods hold it.
+    /// A pinned particle that moves as it is told: springs pull at it, rods hold it, elements stretch to it, and where it has a mass it attracts from there.
     pub(crate) struct MotionDeclaration = "a motion" {
         /// The pinned particle.
         of: Spanned<String> = Kind::Name,
@@ -56,20 +56,9 @@ fn declare(draft: &Draft<'_>, declared: &MotionDeclaration) -> Checked<PinMotion
     if pin.motion != Motion::Pinned {
         return Err(at(place, DriveFault::MotionOfFree(name())));
     }
-    let of_solid = draft
-        .solids
-        .bodies
-        .iter()
-        .any(|solid| (solid.first..solid.first + solid.rest.len()).contains(&particle));
-    if of_solid {
-        return Err(at(place, DriveFault::MotionOfHeld(name())));
-    }
     // Without contact a radius touches nothing, and beside bodies the pin is an obstacle.
     if pin.radius > 0.0 && draft.contact.is_some() && draft.bodies.is_empty() {
         return Err(at(place, DriveFault::MotionOfRound(name())));
-    }
-    if draft.gravity.fixed.iter().any(|&(fixed, _)| fixed == particle) {
-        return Err(at(place, DriveFault::MotionOfAttracting(name())));
     }
     if draft.drives.moves(particle) {
         return Err(at(place, DriveFault::TwoMotions(name())));

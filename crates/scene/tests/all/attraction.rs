@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use stationary_scene::{Run, RunError, Scene, StepFailure};
 
 use crate::body_diagnostics::refused;
+use crate::driven::defect;
 
 fn run(text: &str) -> Run {
     let scene = Scene::parse("orbits.toml", text).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -166,4 +167,76 @@ fn what_does_not_attract_as_a_point_is_refused() {
         Scene::parse("a.toml", &format!("{}{marks}", head("\"variational-rotation\"", 0.1, 1.0)))
             .is_ok()
     );
+}
+
+/// A thing on a circle about a pin that moves evenly: after half a turn it is across, seen from the pin.
+#[test]
+fn a_pin_that_moves_attracts_from_where_it_is_and_its_work_closes_the_budget() {
+    // G M = 8 at a distance of 2: two a second, and half a turn takes pi.
+    let (turn, v) = (0.5 * TAU, [0.5, 0.3, -0.2]);
+    let text = |method: &str, step: f64, balls: bool, more: &str| {
+        let shift = v.map(|v| v * turn);
+        let planet =
+            format!("position = [2, 0, 0], velocity = [{}, {}, {}]", v[0], v[1] + 2.0, v[2]);
+        let planet = match balls {
+            true => format!(
+                "bodies = [{{ name = \"planet\", mass = 0.5, ball = 0.3, {planet} }}]\nparticles = ["
+            ),
+            false => format!("particles = [{{ name = \"planet\", mass = 0.5, {planet} }},"),
+        };
+        format!(
+            "{}{planet}{{ name = \"sun\", mass = 4, pinned = true, position = [0, 0, 0] }}]\n\
+             motions = [{{ of = \"sun\", shift = {shift:?}, strength = {{ ramp = [0, 1], to = {turn} }} }}]\n{more}",
+            head(method, step, turn)
+        )
+    };
+    let off = |run: &Run| {
+        let end = place(run, "planet");
+        let seen: [f64; 3] = std::array::from_fn(|c| end[c] - v[c] * turn);
+        (seen[0] + 2.0).hypot(seen[1]).hypot(seen[2])
+    };
+    let contact = "contact = { walls = [{ normal = [0, 0, 1], at = [0, 0, -99] }] }\n";
+    let fine = "\"dormand-prince-853\"\ntolerance = 1e-11";
+    for (method, balls, more, orders) in [
+        ("\"stormer-verlet\"", false, "", 2.0),
+        ("\"variational-rotation\"", true, "", 2.0),
+        ("\"variational-rotation\"", true, contact, 1.0),
+    ] {
+        let of = |part: f64| run(&text(method, turn / part, balls, more));
+        let [coarse, finer] = [of(1000.0), of(2000.0)];
+        let slope = (off(&coarse) / off(&finer)).log2();
+        assert!(slope > orders - 0.2, "{method}: {slope} {}", off(&finer));
+        let slope = (defect(&coarse) / defect(&finer)).log2();
+        assert!(slope > orders - 0.2 || defect(&finer) < 1e-9, "{method}: {slope}");
+    }
+    for balls in [false, true] {
+        let run = run(&text(fine, turn / 8.0, balls, ""));
+        assert!(off(&run) < 1e-7 && defect(&run) < 1e-7, "{} {}", off(&run), defect(&run));
+        let (name, work) = &run.works()[0];
+        assert!(name == "motion of sun", "{name}");
+        // The kinetic energy seen from rest: m v (u' - u), as the velocity about the pin turns back.
+        assert!((work + 0.5 * 0.3 * 4.0).abs() < 1e-6, "{work}");
+    }
+    let scene =
+        Scene::parse("a.toml", &text("\"stormer-verlet\"", turn / 200.0, false, "")).unwrap();
+    crate::checkpoints::assert_resumes(&scene, &[2, 77, 199], "moving-sun");
+}
+
+/// A pin that is led into a ball stops the run, as one that stays does.
+#[test]
+fn a_pin_that_moves_into_a_ball_which_it_attracts_stops_the_run() {
+    let text = format!(
+        "{}bodies = [{{ name = \"ball\", mass = 5, ball = 0.3, position = [0, 0, 0] }}]\n\
+         particles = [{{ name = \"other\", pinned = true, mass = 1, position = [9, 9, 0] }},\n\
+         {{ name = \"pin\", pinned = true, mass = 1e-6, position = [2, 0, 0] }}]\n\
+         motions = [{{ of = \"pin\", shift = [-2, 0, 0], strength = {{ ramp = [0, 1], to = 1 }} }}]\n",
+        head("\"variational-rotation\"", 1e-3, 2.0)
+    );
+    let error = Scene::parse("a.toml", &text).unwrap().run().unwrap_err();
+    let RunError::Stopped(stop) = error else { panic!("{error}") };
+    match stop.source {
+        StepFailure::Inside { first, second, .. } => assert_eq!([first, second], ["ball", "pin"]),
+        other => panic!("{other}"),
+    }
+    assert!((stop.time - 0.85).abs() < 0.01, "{}", stop.time);
 }

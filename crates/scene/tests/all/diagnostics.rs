@@ -318,11 +318,6 @@ fn particles_that_attract_each_other_are_apart() {
     );
     let text = format!("{HEAD}{BALL}{}{gravity}", HOOK.replace("[0, 1]", "[0, 0]"));
     assert!(Scene::parse("hook", &text).unwrap().gravity().fixed.is_empty());
-    let motion = "[[motions]]\nof = <<\"hook\">>\nshift = [1, 0]\nstrength = { ramp = [0, 1] }\n";
-    refused(
-        &format!("{HEAD}{BALL}{HOOK}mass = 2\n{gravity}{motion}"),
-        "`hook` has a mass that attracts; what attracts and is pinned stays: leave out its `mass`",
-    );
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn what_flight_has_no_place_for_is_refused() {
         held,
     );
     let drag = format!("drag = {{ coefficient = 1 }}\n{marked}");
-    let message = "`event-driven-2` cannot step loads, motors, drag, dampers, a frame that turns or changing \
+    let message = "`event-driven-2` cannot step loads, drag, dampers, a frame that turns or changing \
                    gravity: name `variational-rotation`";
     refused(&drag, message);
     // Nothing meets without contact.

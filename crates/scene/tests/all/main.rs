@@ -25,6 +25,7 @@ mod joint_loops;
 mod jointed_contact;
 mod mixture_diagnostics;
 mod mixtures;
+mod moved_vertices;
 mod moving_pins;
 mod output;
 mod pairs;

@@ -1,11 +1,17 @@
-//! What acts on a scene, made from its words: loads, motors, dampers, and springs to pins that move.
+//! What acts on a scene, made from its words: loads, motors, dampers, and what depends on pins that move.
 
 use super::rate::{End, Rate};
 use super::{Act, Acting, What};
 #[cfg(feature = "elasticity")]
+use crate::assemble::acting::by_pins::{Attracted, ByPins, MovingPin};
+#[cfg(feature = "elasticity")]
 use crate::assemble::anchor::Anchor;
 use crate::assemble::vertices::Vertices;
+#[cfg(feature = "elasticity")]
+use crate::model::drives::PinMotion;
 use crate::model::drives::{Motor, MotorDrive, SceneLoad};
+#[cfg(feature = "elasticity")]
+use crate::model::elastic_body::ElasticBody;
 use crate::model::items::{RigidBody, SceneJoint};
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
@@ -40,9 +46,6 @@ impl Scene {
         driven.extend(self.moves_rods().then_some("pins that move rods"));
         if !self.has_inequalities() {
             return listed(&driven).into_iter().collect();
-        }
-        if self.chooses_contact_steps() {
-            return vec!["impacts".to_owned()];
         }
         let mut names = Vec::new();
         if self.touches_as_bodies() {
@@ -187,32 +190,101 @@ impl Scene {
         }
     }
 
-    /// The springs to pins that move.
-    pub(super) fn pulled(&self) -> Vec<Act> {
+    /// What depends on pins that move: springs to them, elements that have them as vertices, their attraction.
+    pub(super) fn by_pins(&self) -> Vec<Act> {
         #[cfg(not(feature = "elasticity"))]
         return Vec::new();
         #[cfg(feature = "elasticity")]
         {
-            let mut acts = Vec::new();
-            let vertices = Vertices::new(self);
-            for link in &self.links {
-                let [a, b] = link.ends;
-                let motion = |end| self.drives.motion_of(end);
-                let (pin, other) = match (motion(a), motion(b)) {
-                    (Some(pin), None) => (pin, b),
-                    (None, Some(pin)) => (pin, a),
-                    _ => continue,
-                };
-                let pulled = self.anchor(other, &vertices);
-                let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
-                let fixed = matches!(pulled, Anchor::World(_));
-                let (false, Ok(spring)) = (fixed, made) else { continue };
-                let start = self.particles[pin.particle].position;
-                let what = What::Pulled { spring, pulled, pin: pin.clone(), start };
-                let name = format!("motion of {}", self.particles[pin.particle].name);
-                acts.push(Act { name, strength: Strength::constant(1.0), what });
+            let mut acts = self.pulled();
+            if !self.drives.motions.is_empty() {
+                acts.extend(self.moved_elements());
+                acts.extend(self.moved_attraction());
             }
             acts
         }
+    }
+}
+
+#[cfg(feature = "elasticity")]
+impl Scene {
+    fn moving_pin(&self, motion: &PinMotion) -> MovingPin {
+        let start = self.particles[motion.particle].position;
+        MovingPin { motion: motion.clone(), start }
+    }
+
+    fn act_of_pins(name: String, what: ByPins) -> Act {
+        Act { name, strength: Strength::constant(1.0), what: What::ByPins(what) }
+    }
+
+    /// The springs to pins that move.
+    fn pulled(&self) -> Vec<Act> {
+        let mut acts = Vec::new();
+        let vertices = Vertices::new(self);
+        for link in &self.links {
+            let [a, b] = link.ends;
+            let motion = |end| self.drives.motion_of(end);
+            let (pin, other) = match (motion(a), motion(b)) {
+                (Some(pin), None) => (pin, b),
+                (None, Some(pin)) => (pin, a),
+                _ => continue,
+            };
+            let pulled = self.anchor(other, &vertices);
+            let made = Spring::new([0, 1], link.rest_length, link.stiffness, link.strain);
+            let fixed = matches!(pulled, Anchor::World(_));
+            let (false, Ok(spring)) = (fixed, made) else { continue };
+            let name = format!("motion of {}", self.particles[pin.particle].name);
+            let what = ByPins::Spring { spring, pulled, pin: self.moving_pin(pin) };
+            acts.push(Scene::act_of_pins(name, what));
+        }
+        acts
+    }
+
+    /// The elements that have vertices which move, of each solid.
+    fn moved_elements(&self) -> Vec<Act> {
+        let act = |solid: &ElasticBody| {
+            let vertices = Vertices::with_moving(self);
+            let elastic = self.moved_part(solid, &vertices).ok().flatten()?;
+            let pins = vertices.particles[..vertices.free].iter();
+            let pins = pins.filter_map(|&p| Some(self.moving_pin(self.drives.motion_of(p)?)));
+            let what =
+                ByPins::Elements { elastic, pins: pins.collect(), dimension: self.dimension };
+            Some(Scene::act_of_pins(format!("motion of vertices of {}", solid.name), what))
+        };
+        self.solids.iter().filter_map(act).collect()
+    }
+
+    /// What attracts and moves.
+    fn moved_attraction(&self) -> Vec<Act> {
+        let (Some(constant), vertices) = (self.gravity.constant, Vertices::new(self)) else {
+            return Vec::new();
+        };
+        let attracted = |mass: f64| {
+            let strength = |own: f64| constant * own * mass;
+            if self.bodies.is_empty() {
+                let free = vertices.particles[..vertices.free].iter();
+                let one = |&number: &usize| {
+                    let Motion::Free { mass, .. } = self.particles[number].motion else {
+                        return None;
+                    };
+                    let at = self.anchor(number, &vertices);
+                    Some(Attracted { at, number, strength: strength(mass), radius: 0.0 })
+                };
+                return free.filter_map(one).collect();
+            }
+            let one = |(number, body): (usize, &RigidBody)| Attracted {
+                at: Anchor::Body(number, [0.0; 3]),
+                number,
+                strength: strength(body.mass),
+                radius: body.attracting_radius(),
+            };
+            self.bodies.iter().enumerate().map(one).collect::<Vec<_>>()
+        };
+        let act = |&(pin, mass): &(usize, f64)| {
+            let pin = self.moving_pin(self.drives.motion_of(pin)?);
+            let name = format!("motion of {}", self.particles[pin.motion.particle].name);
+            Some(Scene::act_of_pins(name, ByPins::Attraction { pin, all: attracted(mass) }))
+        };
+        self.gravity.fixed.iter().filter_map(act).collect()
     }
 }

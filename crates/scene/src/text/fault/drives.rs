@@ -28,23 +28,12 @@ pub enum DriveFault {
     /// Only what is pinned is moved.
     #[error("`{0}` is not pinned; only a pinned particle moves as it is told")]
     MotionOfFree(String),
-    /// A pin that is a vertex of elements.
-    #[error(
-        "`{0}` is a vertex of a solid, which stays where it is pinned; a pin that moves pulls at springs and rods: \
-         join another pinned particle to the solid by a spring"
-    )]
-    MotionOfHeld(String),
     /// A pin that would push what it touches.
     #[error(
         "`{0}` has a `radius` and touches what is there, which a pin that moves does only where impulses move bodies in \
          the plane or in space: leave out its `radius`, or the `stiffness` of contact"
     )]
     MotionOfRound(String),
-    /// A pin that moves would attract from where it is at the time.
-    #[error(
-        "`{0}` has a mass that attracts; what attracts and is pinned stays: leave out its `mass`"
-    )]
-    MotionOfAttracting(String),
     /// Two motions of one pin.
     #[error("`{0}` already has a motion")]
     TwoMotions(String),
