@@ -110,16 +110,21 @@ impl Straight {
         };
         let face = !matches!(axis.from, Source::Edges(..));
         let mut found = (axis.separation, axis.normal, met);
+        let mut beside_face = None;
         if axis.separation >= -TIE * size
             && let Some((points, normal, separation)) = closest([a, b])
-            && separation > axis.separation + if met.is_some() || face { TIE } else { -TIE } * size
         {
-            found = (separation, normal, Some(points));
+            let better = separation - axis.separation;
+            if better > if met.is_some() || face { TIE } else { -TIE } * size {
+                found = (separation, normal, Some(points));
+            } else if better > -TIE * size {
+                beside_face = Some(normal);
+            }
         }
         let (separation, normal, met) = found;
         let gap = separation - rounding;
         let known = separation > f64::NEG_INFINITY;
-        let found = Direction { gap, normal, beside_face: None, met };
+        let found = Direction { gap, normal, beside_face, met };
         known.then(|| if met.is_some() { found } else { at_faces(placed, found) })
     }
 }
