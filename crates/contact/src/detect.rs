@@ -25,6 +25,8 @@ pub(crate) mod facing_points;
 #[cfg(feature = "3d")]
 pub(crate) mod flush;
 #[cfg(feature = "3d")]
+pub(crate) mod straight;
+#[cfg(feature = "3d")]
 pub(crate) mod round_contacts;
 #[cfg(feature = "3d")]
 pub(crate) mod narrow_phase;

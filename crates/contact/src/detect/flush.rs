@@ -1,9 +1,9 @@
-//! Faces that all but lie on each other, of which one is a disc: the direction and the points of two solids there.
+//! Faces that all but lie on each other: the direction between two solids, and their points there.
 //!
 //! ```text
-//! z1(u) = c1 + a.u   over U,   z2(u) = c2 + b.u   over W             heights along n of what each shows, u across n
-//! z2 - z1 is least over U n W at u*:   a - b = mu + nu,    mu, nu outward normals of U at u*, of W at u*
-//! n + (mu - a)                                                       the direction along which both reach farthest at u*
+//! z1(u) = c1 + a.u over U,   z2(u) = c2 + b.u over W        heights along n of what each shows, u across n
+//! z2 - z1 least over U and W:   a - b = mu + nu              mu, nu outward normals of U and W there, at u*
+//! n + (mu - a)                                               along which both reach farthest at u*
 //! ```
 //! Turned by less than a circle's farthest point can follow, values are equal to rounding, and say no direction;
 //! where the faces meet is well known. With the new direction `U` and `W` are seen anew, until the points lie
@@ -63,7 +63,7 @@ struct Disc {
     radius: f64,
 }
 
-/// Where two solids that lie nearly flush on a disc face each other to within `off`, beginning with a direction
+/// Where two solids that lie nearly flush on each other face each other to within `off`, beginning with a direction
 /// that is close.
 pub(crate) fn flush(solids: [&Placed; 2], start: V, off: f64) -> Option<Met> {
     let [a, b] = solids;
