@@ -6,5 +6,6 @@ pub(crate) mod event;
 pub(crate) mod event_driven;
 pub(crate) mod pieces;
 pub(crate) mod ledger;
+pub(crate) mod pushing;
 pub(crate) mod step_forces;
 pub(crate) mod error_controlled;

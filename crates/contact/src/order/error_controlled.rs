@@ -36,6 +36,7 @@ use crate::order::event::{Event, EventKind};
 use crate::order::flight::{Flies, chord};
 use crate::order::ledger::{Ledger, OF_CONTACT};
 use crate::order::pieces::{Motion, Pieces, between};
+use crate::order::pushing::{Pushing, Seen};
 use crate::order::step_forces::StepForces;
 use crate::solve::body_state::speed;
 use crate::{ContactError, Dimension, Touch, World, WorldReport};
@@ -52,10 +53,6 @@ const SHORTEST: f64 = 1e-14;
 /// would just do.
 const CHANGE: [f64; 2] = [0.1, 5.0];
 const SAFETY: f64 = 0.9;
-/// The part of Coulomb's bound from which friction slides.
-const SLIDES: f64 = 1.0 - 1e-6;
-/// The cosine of the angle by which friction turns at most in smooth sliding.
-const STRAIGHT: f64 = 0.9;
 /// For how long an error of velocity goes on, s, where nothing is said.
 const HORIZON: f64 = 1.0;
 /// Roundings of a coordinate below which a difference of two steps means nothing.
@@ -108,91 +105,6 @@ pub struct ErrorControlled<G: Flies, P> {
     start: State<Vec<f64>>,
     whole: State<Vec<f64>>,
     halves: State<Vec<f64>>,
-}
-
-/// Two colliders that push each other, and how they rub.
-#[derive(Clone, Copy, Debug)]
-struct Pushing<G: Dimension> {
-    colliders: [u32; 2],
-    bodies: [Option<usize>; 2],
-    slides: bool,
-    friction: G::Vector,
-    impulse: G::Vector,
-}
-
-impl<G: Dimension> Pushing<G> {
-    fn same(&self, other: &Self) -> bool {
-        let straight = || {
-            let length = |v: &G::Vector| G::dot(v, v).sqrt();
-            let [a, b] = [&self.friction, &other.friction];
-            G::dot(a, b) >= STRAIGHT * length(a) * length(b)
-        };
-        self.slides == other.slides && (!self.slides || straight())
-    }
-}
-
-/// What pushes in a step.
-#[derive(Clone, Debug)]
-struct Seen<G: Dimension> {
-    /// Sorted as contacts are.
-    pairs: Vec<Pushing<G>>,
-    /// The largest of their gaps where the step starts, m.
-    gap: f64,
-    /// By how much what hits is early at most, m: it turns back before its gap is closed.
-    early: f64,
-}
-
-impl<G: Dimension> Default for Seen<G> {
-    fn default() -> Self {
-        Seen { pairs: Vec::new(), gap: 0.0, early: 0.0 }
-    }
-}
-
-impl<G: Dimension> Seen<G> {
-    /// Looks at the last step of a world.
-    fn look<P: Potential>(&mut self, world: &World<G, P>) {
-        let Seen { pairs, gap, early } = self;
-        pairs.clear();
-        (*gap, *early) = (0.0, 0.0);
-        for touch in world.touches().filter(|touch| touch.impact > 0.0) {
-            *early = early.max((1.0 + touch.contact.restitution) * touch.contact.gap);
-        }
-        for touch in world.touches().filter(|touch| touch.normal > 0.0) {
-            *gap = gap.max(touch.contact.gap);
-            let rubbed = G::dot(&touch.friction, &touch.friction).sqrt();
-            let bound = touch.contact.friction * touch.normal;
-            let slides = bound == 0.0 || rubbed >= SLIDES * bound;
-            let colliders = touch.contact.id.colliders;
-            let impulse = touch.contact.normal * touch.normal + touch.friction;
-            match pairs.last_mut().filter(|last| last.colliders == colliders) {
-                Some(last) => {
-                    last.slides |= slides;
-                    last.friction = last.friction + touch.friction;
-                    last.impulse = last.impulse + impulse;
-                }
-                None => {
-                    let (bodies, friction) = (touch.contact.bodies, touch.friction);
-                    pairs.push(Pushing { colliders, bodies, slides, friction, impulse });
-                }
-            }
-        }
-    }
-
-    /// Whether what pushes closes a gap of more than `least` (m).
-    fn closes(&self, least: f64) -> bool {
-        self.gap > least
-    }
-
-    /// Whether the same surfaces push.
-    fn pushes_as(&self, other: &Self) -> bool {
-        let colliders = |pair: &Pushing<G>| pair.colliders;
-        self.pairs.iter().map(colliders).eq(other.pairs.iter().map(colliders))
-    }
-
-    /// Whether these stick or slide the same way.
-    fn rubs_as(&self, other: &Self) -> bool {
-        self.pairs.iter().zip(&other.pairs).all(|(a, b)| a.same(b))
-    }
 }
 
 /// What happens within a step.
