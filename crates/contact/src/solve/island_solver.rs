@@ -114,8 +114,6 @@ pub(crate) struct Within {
 pub(crate) const IMPULSE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// The most work at an island in a step, in sweeps.
 const SWEEPS: usize = 2_000;
-/// The most of it in a step that goes on where an island of a pile nearly rests: the next step goes on from there.
-const RESTING_SWEEPS: usize = 8;
 /// Sweeps that find the active, sticking and sliding sets of a small island, which is then polished.
 const FIRST_SWEEPS: usize = 32;
 /// Islands of no more contacts are polished at once; of no more than these where sweeps do not settle
@@ -166,7 +164,7 @@ where
         let mut left = sweeps.residuals(island, x);
         let settled = within.settled;
         let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
-        let within = Within { fine: within.fine.filter(|_| near), ..within };
+        let within = Within { fine: within.fine.filter(|_| near || within.of_pile), ..within };
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= within.fine.unwrap_or(settled));
         let rubs = |(contact, x): (&RigidContact<F, D>, &[f64; D])| {
             let mut across = *x;
@@ -276,7 +274,7 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
         let Within { settled, reached, fine, .. } = within;
         let [mut relaxed, mut solved] = parts.settle(sweeps, island, x, [settled, reached], SWEEPS);
         if let Some(change) = fine {
-            let more = sweeps.alternate(island, x, Goal::at_rest(change), RESTING_SWEEPS);
+            let more = sweeps.rest(island, x, change);
             (relaxed, solved) = (relaxed + more[0], solved + more[1]);
         }
         if sweeps.residuals(island, x).iter().any(|left| *left > reached) {

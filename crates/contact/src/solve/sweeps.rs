@@ -23,11 +23,17 @@ const COMPLIANCE_PER_CHANGE: f64 = 4.0;
 const MAX_COMPLIANCE: f64 = 0.2;
 /// The least of it: at less, rounding of rates shows in impulses.
 const MIN_COMPLIANCE: f64 = 1e-6;
+/// The least of it where it is seen whether a step has helped: a tower bends so softly that more would hold it.
+const RESTING_COMPLIANCE: f64 = 1e-10;
 /// What one contact changes last, others feel by no more than so many times that.
 pub(crate) const AMPLIFICATION: f64 = 30.0;
 /// A proximal step helps if the next sweep changes no more than this part of the energy of the one
 /// before; if it does not, as where it has come down to rounding, some sweeps follow without.
 const MIN_REDUCTION: f64 = 0.25;
+/// The most proximal steps that bring what nearly rests to rest; each must leave no more than this part of what
+/// the one before has left.
+const RESTING_STEPS: usize = 8;
+const RESTING_REDUCTION: f64 = 0.1;
 /// A sparse system takes as long as so many sweeps.
 pub(crate) const SYSTEM_COST: usize = 8;
 /// A proximal step takes as long as so many sweeps.
@@ -44,6 +50,8 @@ pub(crate) struct Sweeps<const F: usize, const D: usize> {
     /// What the last sweep changed at each contact, as a velocity, m/s.
     pub(crate) changes: Vec<f64>,
     proximal: Proximal<F, D>,
+    /// The impulses before a step that may not help.
+    before: Vec<[f64; D]>,
 }
 
 /// One island: its contacts, and its bodies by their numbers.
@@ -172,14 +180,49 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
             last = energy;
             stepped = wait == 0 && !soon;
             if stepped {
-                let part = (energy / energy_of(island, x)).sqrt();
-                let soft = (COMPLIANCE_PER_CHANGE * part).clamp(MIN_COMPLIANCE, MAX_COMPLIANCE);
-                solved += self.proximal.step(island, [soft, energy], x, &mut self.w);
+                let soft = compliance(&change, island, x, MIN_COMPLIANCE);
+                solved += self.proximal.step(island, soft, x, &mut self.w);
             } else if !soon {
                 wait -= 1;
             }
         }
         [bound * x.len(), solved]
+    }
+
+    /// Proximal steps for an island that nearly rests, until no more than this is left, m/s, and as long as each
+    /// helps much: one that does not is taken back. Says how many contacts were relaxed, and how many sparse
+    /// systems were solved.
+    pub(crate) fn rest(
+        &mut self,
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+        least: f64,
+    ) -> [usize; 2] {
+        let worst = |left: [f64; 2]| left[0].max(left[1]);
+        let [mut relaxed, mut solved] = [0; 2];
+        let mut left = worst(self.residuals(island, x));
+        for _ in 0..RESTING_STEPS {
+            if left <= least {
+                break;
+            }
+            self.before.clear();
+            self.before.extend_from_slice(x);
+            let change = self.sweep(island, x);
+            let soft = compliance(&change, island, x, RESTING_COMPLIANCE);
+            solved += self.proximal.step(island, soft, x, &mut self.w);
+            self.sweep(island, x);
+            relaxed += 2 * x.len();
+            let now = worst(self.residuals(island, x));
+            if !(now <= left) {
+                x.copy_from_slice(&self.before);
+                self.refresh(island, x);
+            }
+            if !(now <= RESTING_REDUCTION * left) {
+                break;
+            }
+            left = now;
+        }
+        [relaxed, solved]
     }
 
     /// Relaxes each contact once.
@@ -200,4 +243,16 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
 /// The energy of impulses, J.
 fn energy_of<const F: usize, const D: usize>(island: Island<F, D>, x: &[[f64; D]]) -> f64 {
     island.contacts.iter().zip(x).map(|(contact, x)| contact.energy(x)).sum()
+}
+
+/// The compliance of a proximal step after a sweep that changed so much, no less than `least`, and the energy of
+/// what is left.
+fn compliance<const F: usize, const D: usize>(
+    change: &Change,
+    island: Island<F, D>,
+    x: &[[f64; D]],
+    least: f64,
+) -> [f64; 2] {
+    let part = (change.energy / energy_of(island, x)).sqrt();
+    [(COMPLIANCE_PER_CHANGE * part).clamp(least, MAX_COMPLIANCE), change.energy]
 }

@@ -157,7 +157,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         };
                     }
                     let large = self.tolerance.is_none() && members.len() > LARGE;
-                    let fine = (slow && !large).then(|| {
+                    // What is large comes to rest at once, if it can, or not at all.
+                    let finest = if large { 0.0 } else { finest };
+                    let fine = slow.then(|| {
                         let gain = bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max);
                         finest.max(ROUNDING * gain)
                     });
