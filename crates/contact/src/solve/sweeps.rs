@@ -11,7 +11,8 @@
 //! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
 //! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
 //! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
-//! no friction exceeds its reach.
+//! no friction exceeds its reach. A pile that nearly rests takes steps of far smaller `e`, each kept
+//! only if it helps (see [`Sweeps::rest`]).
 
 use crate::solve::proximal::Proximal;
 use crate::solve::rigid_contact::RigidContact;
@@ -32,8 +33,8 @@ pub(crate) const AMPLIFICATION: f64 = 30.0;
 const MIN_REDUCTION: f64 = 0.25;
 /// The most proximal steps that bring what nearly rests to rest; each must leave no more than this part of what
 /// the one before has left.
-const RESTING_STEPS: usize = 8;
-const RESTING_REDUCTION: f64 = 0.1;
+const RESTING_STEPS: usize = 16;
+const RESTING_REDUCTION: f64 = 0.7;
 /// A sparse system takes as long as so many sweeps.
 pub(crate) const SYSTEM_COST: usize = 8;
 /// A proximal step takes as long as so many sweeps.
@@ -213,11 +214,11 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
             self.sweep(island, x);
             relaxed += 2 * x.len();
             let now = worst(self.residuals(island, x));
-            if !(now <= left) {
+            if now > left || now.is_nan() {
                 x.copy_from_slice(&self.before);
                 self.refresh(island, x);
             }
-            if !(now <= RESTING_REDUCTION * left) {
+            if now > RESTING_REDUCTION * left || now.is_nan() {
                 break;
             }
             left = now;
