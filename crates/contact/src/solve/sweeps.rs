@@ -255,5 +255,6 @@ fn compliance<const F: usize, const D: usize>(
     least: f64,
 ) -> [f64; 2] {
     let part = (change.energy / energy_of(island, x)).sqrt();
-    [(COMPLIANCE_PER_CHANGE * part).clamp(least, MAX_COMPLIANCE), change.energy]
+    // Of no energy at all the part is no number: the least is then as good as any.
+    [(COMPLIANCE_PER_CHANGE * part).max(least).min(MAX_COMPLIANCE), change.energy]
 }
