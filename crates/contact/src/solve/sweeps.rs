@@ -11,8 +11,8 @@
 //! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
 //! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
 //! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
-//! no friction exceeds its reach. A pile that nearly rests takes steps of far smaller `e`, each kept
-//! only if it helps (see [`Sweeps::rest`]).
+//! no friction exceeds its reach. A pile that nearly rests takes steps of far smaller `e`; one
+//! that leaves more than before is taken back (see [`Sweeps::rest`]).
 
 use crate::solve::proximal::Proximal;
 use crate::solve::rigid_contact::RigidContact;
@@ -190,9 +190,9 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         [bound * x.len(), solved]
     }
 
-    /// Proximal steps for an island that nearly rests, until no more than this is left, m/s, and as long as each
-    /// helps much: one that does not is taken back. Says how many contacts were relaxed, and how many sparse
-    /// systems were solved.
+    /// Proximal steps for an island that nearly rests, until no more than `least` is left, m/s, or one helps too
+    /// little; one that leaves more than before is taken back. Says how many contacts were relaxed, and how many
+    /// sparse systems were solved.
     pub(crate) fn rest(
         &mut self,
         island: Island<F, D>,
