@@ -26,6 +26,8 @@ const ZERO: f64 = 1e-15;
 const TILTED: f64 = 1e-2;
 /// Points that join at most.
 const ROUNDS: usize = 60;
+/// Turns at the end, by what points are off.
+const TURNS: usize = 4;
 /// Points of a plane, in space.
 const MOST: usize = 4;
 
@@ -89,6 +91,10 @@ pub(crate) fn facing_points(solids: [&Placed; 2], direction: &Direction) -> Faci
             let off = (way - normal * separation).norm();
             let primal = Facing { separation, normal, points, off };
             start = normal;
+            // Their points may face each other across the best direction as well.
+            let off = (way - found.normal * found.separation).norm();
+            let held = Facing { points, off, ..found };
+            found = if better(&held, &found) { held } else { found };
             found = if better(&primal, &found) { primal } else { found };
         }
     }
@@ -97,6 +103,23 @@ pub(crate) fn facing_points(solids: [&Placed; 2], direction: &Direction) -> Faci
         let n = direction_near(solids, &start);
         let other = across(solids, n, along(&n), scale);
         found = if better(&other, &found) { other } else { found };
+    }
+    let bend = |solid: &Placed, n: &V| solid.parts[solid.farthest(n).0].bend(n);
+    for _ in 0..TURNS {
+        let off = found.points[1] - found.points[0] - found.normal * found.separation;
+        // Where the hulls bend their points follow a turn; as far as they do the turn takes what they are off.
+        let n = found.normal;
+        let bends = bend(a, &n) + bend(b, &-n);
+        let follow = off.dot(&(bends * off)) + found.separation * off.norm_squared();
+        if found.off <= MET * scale || follow <= 0.0 {
+            break;
+        }
+        let n = (n + off * (off.norm_squared() / follow)).normalize();
+        let other = across(solids, n, along(&n), scale);
+        if !better(&other, &found) {
+            break;
+        }
+        found = other;
     }
     found
 }

@@ -54,8 +54,8 @@ enum Side {
 const TIE: f64 = 1e-13;
 /// Points outside of a face by this part of the sizes are on its border: no more than gaps may be off by.
 const BORDER: f64 = 1e-12;
-/// Crossings of sides are on the border within this part of what corners are: rounding.
-const CROSSED: f64 = 1e-3;
+/// What is outside of a side by less than this part of the border is on the side: rounding.
+pub(crate) const ON_SIDE: f64 = 1e-3;
 /// Corners and edges are as close as the closest within this part of the sizes.
 const AS_CLOSE: f64 = 1e-9;
 /// Points off an edge by less than this part of the sizes are on it.
@@ -169,17 +169,22 @@ pub(crate) fn facing(
     if axis.separation > WIDE * size && least > axis.separation + SHORT * size {
         by_corners([a, b], &back, AS_CLOSE * size, [least, margin], found);
     } else if found.len() == start && axis.separation <= margin {
-        // Rounding left no polygon: of what reaches as far as the farthest, the closest points.
-        let ends = [(a, n), (b, -n)].map(|(seen, n): (Seen<'_>, V)| -> Vec<Part> {
-            let reach = seen.reach(&n) - AS_CLOSE * size;
-            let far = seen.corners.iter().filter(|corner| corner.dot(&n) >= reach);
-            far.copied().map(Part::Point).collect()
-        });
+        // Rounding left no polygon: of what reaches as far as the farthest, or of all, the points that are best
+        // across the separation.
         let gap = axis.separation;
-        let met = nearest([&ends[0], &ends[1]], &n, &(n * gap), first.size + second.size);
         let off = |[x1, x2]: &[V; 2]| (x2 - x1 - n * gap).norm();
-        let corners = closest([a, b]).map(|(points, ..)| points);
-        let [x1, x2] = corners.filter(|points| off(points) < off(&met)).unwrap_or(met);
+        let met = |level: f64| {
+            let ends = [(a, n), (b, -n)].map(|(seen, n): (Seen<'_>, V)| -> Vec<Part> {
+                let reach = seen.reach(&n) - level;
+                let far = seen.corners.iter().filter(|corner| corner.dot(&n) >= reach);
+                far.copied().map(Part::Point).collect()
+            });
+            nearest([&ends[0], &ends[1]], &n, &(n * gap), first.size + second.size)
+        };
+        let all = [met(AS_CLOSE * size), met(f64::INFINITY)].into_iter();
+        let all = all.chain(closest([a, b]).map(|(points, ..)| points));
+        let best = all.min_by(|x, y| off(x).total_cmp(&off(y)));
+        let Some([x1, x2]) = best else { return };
         let features = [PackedFeatureId::face(0).0; 2];
         let points = [x1, from_vector(back * vector(&x2))];
         found.push(Facing { parts: [0, 0], features, points, normal: n, gap });
@@ -210,6 +215,22 @@ fn on_edge(x: &V, [from, to]: [V; 2], slack: f64) -> bool {
     (way - along * t).norm() <= slack
 }
 
+/// Puts each point on the first side of a polygon that it is outside of by no more than a border. What is beside two
+/// sides may be far beyond the corner between them: the other one cuts it.
+pub(crate) fn put_on_border<'a, N>(
+    points: impl Iterator<Item = &'a mut V>,
+    sides: impl Iterator<Item = (N, V, V)> + Clone,
+    border: f64,
+) {
+    for point in points {
+        let mut outside =
+            sides.clone().map(|(_, start, outward)| ((*point - start).dot(&outward), outward));
+        if let Some((d, outward)) = outside.find(|(d, _)| *d > 0.0 && *d <= border) {
+            *point -= outward * d;
+        }
+    }
+}
+
 /// Cuts the second's face to what lies, seen along `n`, within the first's.
 fn bound(
     [one, other]: [Seen<'_>; 2],
@@ -228,24 +249,22 @@ fn bound(
         side: Side::Own(c as u32),
     }));
     let around = one.solid.around(bounding);
+    let turned = one.normals[bounding].dot(n).signum();
+    let sides = (0..around.len()).filter_map(|k| {
+        let [start, end] = [k, (k + 1) % around.len()].map(|k| one.corners[around[k]]);
+        let outward = ((end - start).cross(n) * turned).try_normalize(0.0)?;
+        Some((around[k], start, outward))
+    });
+    put_on_border(polygon.iter_mut().map(|corner| &mut corner.place), sides.clone(), border);
     // Again for what crossed a side after it had been beside another.
-    for (k, &from) in around.iter().enumerate().chain(around.iter().enumerate()) {
-        let to = around[(k + 1) % around.len()];
-        let (start, end) = (one.corners[from], one.corners[to]);
-        let outward = (end - start).cross(n) * one.normals[bounding].dot(n).signum();
-        let length = outward.norm();
-        if length == 0.0 {
-            continue;
-        }
-        let outside = |c: &Corner| (c.place - start).dot(&outward) / length;
-        // Where sides cross at a sharp corner what is near to both may be far out: the border is for corners.
-        let near =
-            |c: &Corner, d: f64| d <= border * if c.names[0] == face { 1.0 } else { CROSSED };
+    for (from, start, outward) in sides.clone().chain(sides) {
+        let outside = |c: &Corner| (c.place - start).dot(&outward);
+        let near = |d: f64| d <= ON_SIDE * border;
         cut.clear();
         for (i, here) in polygon.iter().enumerate() {
             let next = &polygon[(i + 1) % polygon.len()];
             let (d, e) = (outside(here), outside(next));
-            let (inside, stays) = (near(here, d), near(next, e));
+            let (inside, stays) = (near(d), near(e));
             if inside {
                 cut.push(*here);
             }

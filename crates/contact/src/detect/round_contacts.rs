@@ -15,12 +15,13 @@ use nalgebra::Vector3;
 use parry3d_f64::math::Pose;
 
 use crate::detect::facing_points::facing_points;
+use crate::detect::polytopes::{ON_SIDE, put_on_border};
 use crate::detect::separation::{Separation, separate, separate_point};
 use crate::detect::straight::Straight;
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
 use crate::shapes::polytope::Polytope;
-use crate::shapes::solid::{Form, Part, Placed, Solid, around};
+use crate::shapes::solid::{Form, Part, Placed, Solid, across, around};
 
 type V = Vector3<f64>;
 type Found = Vec<Facing<V>>;
@@ -35,8 +36,6 @@ const PARALLEL: f64 = 1e-2;
 const LEAST: f64 = 1e-13;
 /// Points outside of a polygon by this part of the size are on its border.
 const BORDER: f64 = 1e-12;
-/// Crossings of sides are on the border within this part of what corners are: rounding.
-const CROSSED: f64 = 1e-3;
 /// Discs whose normal is this close to the contact's, in radians, lie on what they touch.
 const FLAT_SINE: f64 = 1e-7;
 /// The name of the closest points of solids that lie nowhere on each other.
@@ -78,21 +77,21 @@ struct Shown {
 impl Shown {
     /// Its point that is closest, seen along a direction, to another one.
     fn closest(&self, to: &V, n: &V) -> Option<V> {
-        let across = |v: V| v - n * v.dot(n);
+        let seen = |v: V| v - n * v.dot(n);
         if let Some((centre, radius)) = self.disc {
-            let way = across(to - centre);
+            let way = seen(to - centre);
             let length = way.norm();
             return Some(centre + if length > radius { way * (radius / length) } else { way });
         }
         let count = self.corners.len();
         let side = |k: usize| {
             let [from, end] = [k, (k + 1) % count].map(|k| self.corners[k].place);
-            let along = across(end - from);
+            let along = seen(end - from);
             let square = along.norm_squared();
-            let t = if square > 0.0 { across(to - from).dot(&along) / square } else { 0.0 };
+            let t = if square > 0.0 { seen(to - from).dot(&along) / square } else { 0.0 };
             from + (end - from) * t.clamp(0.0, 1.0)
         };
-        let far = |v: &V| across(v - to).norm();
+        let far = |v: &V| seen(v - to).norm();
         (0..count).map(side).min_by(|v, w| far(v).total_cmp(&far(w)))
     }
 }
@@ -326,7 +325,7 @@ fn disc(
     // Where the circle lies across the direction none reaches farthest.
     let stands_out = farthest.norm() > 0.5 * radius
         && (place - place.round()).abs() > 1e-6
-        && (n - axis * n.dot(&axis)).norm() > 1e-15;
+        && across(n, &axis).norm() > 1e-15;
     let name = |k: u32| 16 * (1 + end) + k;
     for (k, point) in around(&centre, &axis, &from, radius, AROUND).into_iter().enumerate() {
         add(point, name(k as u32));
@@ -345,24 +344,21 @@ fn clip(bound: &Shown, corners: &[Corner], n: &V, border: f64, cut: &mut Vec<Cor
     let around = &bound.corners;
     let (middle, count) = (around.iter().map(|c| c.place).sum::<V>(), around.len());
     let middle = middle / count as f64;
+    let sides = (0..count).filter_map(|k| {
+        let [start, end] = [k, (k + 1) % count].map(|k| around[k].place);
+        let outward = (end - start).cross(n).try_normalize(0.0)?;
+        Some((around[k].names[0], start, outward * (start - middle).dot(&outward).signum()))
+    });
+    put_on_border(cut.iter_mut().map(|corner| &mut corner.place), sides.clone(), border);
     // Again for what crossed a side after it had been beside another.
-    for k in (0..count).chain(0..count) {
-        let [start, end] = [around[k], around[(k + 1) % count]];
-        let along = end.place - start.place;
-        let outward = along.cross(n);
-        let length = outward.norm();
-        if length == 0.0 {
-            continue;
-        }
-        let outward = outward / (length * (start.place - middle).dot(&outward).signum());
-        // Where sides cross at a sharp corner what is near to both may be far out: the border is for corners.
-        let outside = |c: &Corner| (c.place - start.place).dot(&outward);
-        let stays = |c: &Corner, d: f64| d <= border * if c.names[1] == 0 { 1.0 } else { CROSSED };
+    for (from, start, outward) in sides.clone().chain(sides) {
+        let outside = |c: &Corner| (c.place - start).dot(&outward);
+        let stays = |d: f64| d <= ON_SIDE * border;
         next.clear();
         let closed = cut.len() > 2;
         for (i, here) in cut.iter().enumerate() {
             let d = outside(here);
-            if stays(here, d) {
+            if stays(d) {
                 next.push(*here);
             }
             if i + 1 == cut.len() && !closed {
@@ -370,10 +366,10 @@ fn clip(bound: &Shown, corners: &[Corner], n: &V, border: f64, cut: &mut Vec<Cor
             }
             let after = &cut[(i + 1) % cut.len()];
             let e = outside(after);
-            if stays(here, d) != stays(after, e) {
+            if stays(d) != stays(e) {
                 let t = (d / (d - e)).clamp(0.0, 1.0);
                 let place = here.place + (after.place - here.place) * t;
-                let side = 1000 + 64 * start.names[0];
+                let side = 1000 + 64 * from;
                 next.push(Corner { place, names: [here.names[0], side] });
             }
         }
