@@ -54,19 +54,66 @@ impl Impact {
         mass: &InverseMass,
         restitution: Vec<f64>,
     ) -> Result<Self, ContactError> {
-        let freedoms = mass.dim();
         stationary_calculus::SizeError::check("coefficients", rows.len(), restitution.len())?;
-        rows.check(freedoms)?;
+        let mut impact = Impact { rows, restitution, ..Impact::empty() };
+        impact.lift(mass, &mut Lifting::default())?;
+        Ok(impact)
+    }
+
+    /// Nothing that touches.
+    pub(crate) fn empty() -> Self {
+        let [rows, lifted] = [ContactRows::new(), ContactRows::new()];
+        Impact { rows, lifted, compliance: Vec::new(), restitution: Vec::new(), freedoms: 0 }
+    }
+
+    /// Other contacts that do not bounce, in the same memory.
+    pub(crate) fn refill(
+        &mut self,
+        mass: &InverseMass,
+        lifting: &mut Lifting,
+        fill: impl FnOnce(&mut ContactRows),
+    ) -> Result<(), ContactError> {
+        self.rows.clear();
+        fill(&mut self.rows);
+        self.restitution.clear();
+        self.restitution.resize(self.rows.len(), 0.0);
+        self.lift(mass, lifting)
+    }
+
+    /// The rows `M^-1 dg^T`, each freedom once, and the compliances.
+    fn lift(&mut self, mass: &InverseMass, lifting: &mut Lifting) -> Result<(), ContactError> {
+        let Impact { rows, lifted, compliance, restitution, freedoms } = self;
+        *freedoms = mass.dim();
+        rows.check(*freedoms)?;
         if let Some(contact) = restitution.iter().position(|c| !(0.0..=1.0).contains(c)) {
             return Err(ContactError::Restitution { contact, value: restitution[contact] });
         }
-        let lifted = lift(&rows, mass);
-        let compliance = compliances(&rows, &lifted, freedoms);
+        let Lifting { entries, met, scratch } = lifting;
+        met.clear();
+        met.resize(*freedoms, (usize::MAX, 0));
+        scratch.clear();
+        scratch.resize(*freedoms, 0.0);
+        lifted.clear();
+        compliance.clear();
+        for contact in 0..rows.len() {
+            entries.clear();
+            mass.lift(rows.row(contact), |freedom, x| match met[freedom] {
+                (row, place) if row == contact => entries[place].1 += x,
+                _ => {
+                    met[freedom] = (contact, entries.len());
+                    entries.push((freedom, x));
+                }
+            });
+            lifted.push(entries.iter().copied());
+            entries.iter().for_each(|&(freedom, x)| scratch[freedom] = x);
+            let one = rows.row(contact).map(|(freedom, value)| value * scratch[freedom]).sum();
+            compliance.push(one);
+            entries.iter().for_each(|&(freedom, _)| scratch[freedom] = 0.0);
+        }
         if let Some(contact) = compliance.iter().position(|&d| d <= 0.0) {
             return Err(ContactError::Immovable { contact });
         }
-        check_finite("the compliance of contacts", &compliance)?;
-        Ok(Impact { rows, lifted, compliance, restitution, freedoms })
+        check_finite("the compliance of contacts", compliance)
     }
 
     /// How many contacts touch.
@@ -174,36 +221,14 @@ impl Impact {
     }
 }
 
-/// The rows `M^-1 dg^T`, each freedom once.
-fn lift(rows: &ContactRows, mass: &InverseMass) -> ContactRows {
-    let mut lifted = ContactRows::with_room(rows.len(), rows.entries());
-    let mut entries: Vec<(usize, f64)> = Vec::new();
-    // In which row a freedom was last met, and where its entry is.
-    let mut met = vec![(usize::MAX, 0); mass.dim()];
-    for contact in 0..rows.len() {
-        entries.clear();
-        mass.lift(rows.row(contact), |freedom, x| match met[freedom] {
-            (row, place) if row == contact => entries[place].1 += x,
-            _ => {
-                met[freedom] = (contact, entries.len());
-                entries.push((freedom, x));
-            }
-        });
-        lifted.push(entries.iter().copied());
-    }
-    lifted
-}
-
-/// The compliance of each contact, through a scratch vector of zeros.
-fn compliances(rows: &ContactRows, lifted: &ContactRows, freedoms: usize) -> Vec<f64> {
-    let mut scratch = vec![0.0; freedoms];
-    let mut one = |contact: usize| {
-        lifted.row(contact).for_each(|(freedom, x)| scratch[freedom] = x);
-        let sum = rows.row(contact).map(|(freedom, value)| value * scratch[freedom]).sum();
-        lifted.row(contact).for_each(|(freedom, _)| scratch[freedom] = 0.0);
-        sum
-    };
-    (0..rows.len()).map(&mut one).collect()
+/// Room for one row after another.
+#[derive(Debug, Default)]
+pub(crate) struct Lifting {
+    entries: Vec<(usize, f64)>,
+    /// In which row a freedom was last met, and where its entry is.
+    met: Vec<(usize, usize)>,
+    /// A number a freedom, zero between rows.
+    scratch: Vec<f64>,
 }
 
 #[cfg(test)]

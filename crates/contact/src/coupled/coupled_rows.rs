@@ -141,8 +141,10 @@ impl CoupledRows {
     pub(crate) fn solve(&mut self, x: &mut [f64], enough: f64) -> (Left, usize) {
         let mut solved = self.solve_by_sets(x, enough);
         let (mut left, mut sweeps) = (self.left(x), FIRST_SWEEPS);
+        let mut swept = std::mem::take(&mut self.found);
         while left.worst() > enough && sweeps <= LAST_SWEEPS {
-            let mut swept = x.to_vec();
+            swept.clear();
+            swept.extend_from_slice(x);
             self.sweep(&mut swept, sweeps);
             solved += self.newton(&mut swept, enough);
             let now = self.left(&swept);
@@ -152,6 +154,7 @@ impl CoupledRows {
             }
             sweeps *= 2;
         }
+        self.found = swept;
         (left, solved)
     }
 

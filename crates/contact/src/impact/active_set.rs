@@ -16,8 +16,10 @@ use crate::Impact;
 #[derive(Debug, Default)]
 pub(crate) struct ActiveSet {
     members: Vec<usize>,
-    /// Row i holds i + 1 numbers.
-    rows: Vec<Vec<f64>>,
+    /// Row i, of i + 1 numbers, after the rows before it.
+    factor: Vec<f64>,
+    /// The row that is taken in, or how it depends on the others.
+    row: Vec<f64>,
 }
 
 /// A squared pivot relative to the diagonal below which a row depends on the others: the rounding
@@ -29,68 +31,86 @@ impl ActiveSet {
         &self.members
     }
 
+    /// Lets all go, and keeps their room.
+    pub(crate) fn clear(&mut self) {
+        self.members.clear();
+        self.factor.clear();
+    }
+
     /// Takes a contact in; or says by which coefficients its row depends on the members'.
     pub(crate) fn append(
         &mut self,
         impact: &Impact,
         contact: usize,
         scratch: &mut [f64],
-    ) -> Result<(), Vec<f64>> {
-        let mut row = Vec::with_capacity(self.members.len() + 1);
-        impact.couple(contact, &self.members, scratch, &mut row);
-        self.forward(&mut row);
+    ) -> Result<(), &[f64]> {
+        let ActiveSet { members, factor, row } = self;
+        row.clear();
+        impact.couple(contact, members, scratch, row);
+        forward(factor, row);
         let diagonal = impact.compliance(contact);
         let pivot = diagonal - row.iter().map(|x| x * x).sum::<f64>();
         if pivot <= DEPENDENT * diagonal {
-            self.backward(&mut row);
+            backward(factor, row);
             return Err(row);
         }
-        row.push(pivot.sqrt());
-        self.rows.push(row);
-        self.members.push(contact);
+        factor.extend_from_slice(row);
+        factor.push(pivot.sqrt());
+        members.push(contact);
         Ok(())
     }
 
     /// Lets the member at a place go.
     pub(crate) fn remove(&mut self, place: usize) {
         self.members.remove(place);
-        self.rows.remove(place);
-        // Each later row is one longer than a triangle allows: rotate columns k and k + 1.
-        for k in place..self.rows.len() {
-            let (a, b) = (self.rows[k][k], self.rows[k][k + 1]);
+        let count = self.members.len();
+        let factor = &mut self.factor;
+        // Row k + 1 is to be row k, one longer than a triangle allows: rotate columns k and k + 1.
+        for k in place..count {
+            let (a, b) = (factor[start(k + 1) + k], factor[start(k + 1) + k + 1]);
             let r = a.hypot(b);
             let (c, s) = (a / r, b / r);
-            for row in &mut self.rows[k..] {
-                let (x, y) = (row[k], row[k + 1]);
-                row[k] = c * x + s * y;
-                row[k + 1] = c * y - s * x;
+            for row in (k + 1..=count).map(start) {
+                let (x, y) = (factor[row + k], factor[row + k + 1]);
+                factor[row + k] = c * x + s * y;
+                factor[row + k + 1] = c * y - s * x;
             }
-            self.rows[k].truncate(k + 1);
         }
+        for k in place..count {
+            factor.copy_within(start(k + 1)..start(k + 1) + k + 1, start(k));
+        }
+        factor.truncate(start(count));
     }
 
     /// Solves `A_PP z = b` in place.
     pub(crate) fn solve(&self, b: &mut [f64]) {
-        self.forward(b);
-        self.backward(b);
+        forward(&self.factor, b);
+        backward(&self.factor, b);
     }
+}
 
-    fn backward(&self, b: &mut [f64]) {
-        for k in (0..b.len()).rev() {
-            b[k] /= self.rows[k][k];
-            let x = b[k];
-            for (b, l) in b[..k].iter_mut().zip(&self.rows[k]) {
-                *b -= l * x;
-            }
+/// Where a row of a packed triangle starts.
+fn start(row: usize) -> usize {
+    row * (row + 1) / 2
+}
+
+fn backward(factor: &[f64], b: &mut [f64]) {
+    for k in (0..b.len()).rev() {
+        let row = &factor[start(k)..=start(k) + k];
+        b[k] /= row[k];
+        let x = b[k];
+        for (b, l) in b[..k].iter_mut().zip(row) {
+            *b -= l * x;
         }
     }
+}
 
-    fn forward(&self, b: &mut [f64]) {
-        for k in 0..b.len() {
-            let (done, rest) = b.split_at_mut(k);
-            let dot: f64 = self.rows[k].iter().zip(done.iter()).map(|(l, x)| l * x).sum();
-            rest[0] = (rest[0] - dot) / self.rows[k][k];
-        }
+fn forward(factor: &[f64], b: &mut [f64]) {
+    for k in 0..b.len() {
+        let row = &factor[start(k)..=start(k) + k];
+        let (done, rest) = b.split_at_mut(k);
+        let dot: f64 = row.iter().zip(done.iter()).map(|(l, x)| l * x).sum();
+        rest[0] = (rest[0] - dot) / row[k];
     }
 }
 
@@ -141,7 +161,7 @@ mod tests {
         let (mut set, mut scratch) = (ActiveSet::default(), vec![0.0; 3]);
         (0..3).for_each(|contact| set.append(&impact, contact, &mut scratch).unwrap());
         for contact in [3, 4] {
-            let depends = set.append(&impact, contact, &mut scratch).unwrap_err();
+            let depends = set.append(&impact, contact, &mut scratch).unwrap_err().to_vec();
             let v = Vector([0.3, -0.7, 0.2]);
             let rate = |contact| impact.relative_velocity(contact, v.view());
             let sum: f64 = (0..3).map(|k| depends[k] * rate(k)).sum();

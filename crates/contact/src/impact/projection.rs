@@ -88,31 +88,56 @@ pub(crate) fn project_with(
     guess: &[f64],
     v: Vector<&mut [f64]>,
 ) -> Result<Projected, ContactError> {
-    impact.check_velocity(v.0)?;
-    let rounding = impact.rounding(Vector(v.0));
-    let mut next = Vector(v.0.to_vec());
-    let mut done = Projected { impulses: vec![0.0; impact.len()], residual: 0.0, solves: 0 };
-    let mut scratch = vec![0.0; impact.freedoms()];
-    for island in islands(impact, contacts) {
-        let mut work = Island {
-            impact,
-            contacts: &island,
-            bias,
-            rounding,
-            before: Vector(v.0),
-            after: Vector(&mut next.0),
-            scratch: &mut scratch,
-            set: ActiveSet::default(),
-            lambda: Vec::new(),
-        };
-        done.solves += work.solve(guess)?;
-        for (&contact, &lambda) in work.set.members().iter().zip(&work.lambda) {
-            done.impulses[contact] = lambda;
+    let mut projector = Projector::default();
+    let solves = projector.project(impact, contacts, bias, guess, v.view())?;
+    let Projector { impulses, after, .. } = projector;
+    let residual = biased_residual(impact, contacts, bias, &impulses, Vector(&after));
+    v.0.copy_from_slice(&after);
+    Ok(Projected { impulses, residual, solves })
+}
+
+/// Projects once and again, in the same memory.
+#[derive(Debug, Default)]
+pub(crate) struct Projector {
+    /// The impulse of each contact, N s, of the last projection.
+    pub(crate) impulses: Vec<f64>,
+    /// The velocity after them.
+    after: Vec<f64>,
+    islands: Islands,
+    room: Room,
+}
+
+impl Projector {
+    /// Projects a velocity on those that some contacts do not forbid; says how many systems it solved.
+    pub(crate) fn project(
+        &mut self,
+        impact: &Impact,
+        contacts: &[usize],
+        bias: &[f64],
+        guess: &[f64],
+        v: Vector<&[f64]>,
+    ) -> Result<usize, ContactError> {
+        impact.check_velocity(v.0)?;
+        let Projector { impulses, after, islands, room } = self;
+        after.clear();
+        after.extend_from_slice(v.0);
+        impulses.clear();
+        impulses.resize(impact.len(), 0.0);
+        room.scratch.clear();
+        room.scratch.resize(impact.freedoms(), 0.0);
+        islands.find(impact, contacts);
+        let (rounding, mut solves) = (impact.rounding(v), 0);
+        for contacts in islands.iter() {
+            room.set.clear();
+            room.lambda.clear();
+            let mut island = Island { impact, contacts, bias, rounding, before: v.0, after, room };
+            solves += island.solve(guess)?;
+            for (&contact, &lambda) in room.set.members().iter().zip(&room.lambda) {
+                impulses[contact] = lambda;
+            }
         }
+        Ok(solves)
     }
-    done.residual = biased_residual(impact, contacts, bias, &done.impulses, next.view());
-    v.0.copy_from_slice(&next.0);
-    Ok(done)
 }
 
 /// How far impulses and the velocity after them are from the conditions (11.2), m/s.
@@ -135,76 +160,122 @@ fn biased_residual(
 }
 
 /// Contacts that share no movable freedom do not know of each other.
-pub(crate) fn islands(impact: &Impact, contacts: &[usize]) -> Vec<Vec<usize>> {
-    let mut groups = Groups::new(impact.freedoms());
-    for &contact in contacts {
-        let mut reached = impact.reached(contact);
-        if let Some(first) = reached.next() {
-            reached.for_each(|other| groups.join(first, other));
+#[derive(Debug, Default)]
+pub(crate) struct Islands {
+    groups: Groups,
+    /// Of each freedom that stands for its group.
+    island: Vec<usize>,
+    /// Where the contacts of each island end in the list of all of them.
+    ends: Vec<usize>,
+    contacts: Vec<usize>,
+}
+
+impl Islands {
+    /// Parts some contacts.
+    pub(crate) fn find(&mut self, impact: &Impact, contacts: &[usize]) {
+        let Islands { groups, island, ends, contacts: parted } = self;
+        groups.reset(impact.freedoms());
+        for &contact in contacts {
+            let mut reached = impact.reached(contact);
+            if let Some(first) = reached.next() {
+                reached.for_each(|other| groups.join(first, other));
+            }
+        }
+        island.clear();
+        island.resize(impact.freedoms(), usize::MAX);
+        ends.clear();
+        let mut root = |contact: usize| impact.reached(contact).next().map(|f| groups.find(f));
+        for root in contacts.iter().filter_map(|&contact| root(contact)) {
+            if island[root] == usize::MAX {
+                island[root] = ends.len();
+                ends.push(0);
+            }
+            ends[island[root]] += 1;
+        }
+        // From sizes to starts, which become ends as the contacts come.
+        let mut before = 0;
+        for size in ends.iter_mut() {
+            (*size, before) = (before, before + *size);
+        }
+        parted.clear();
+        parted.resize(before, 0);
+        for &contact in contacts {
+            let Some(root) = root(contact) else { continue };
+            let end = &mut ends[island[root]];
+            parted[*end] = contact;
+            *end += 1;
         }
     }
-    let mut island_of = vec![usize::MAX; impact.freedoms()];
-    let mut islands: Vec<Vec<usize>> = Vec::new();
-    for &contact in contacts {
-        let Some(root) = impact.reached(contact).next().map(|f| groups.find(f)) else { continue };
-        if island_of[root] == usize::MAX {
-            island_of[root] = islands.len();
-            islands.push(Vec::new());
-        }
-        islands[island_of[root]].push(contact);
+
+    /// The contacts of one island after another.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &[usize]> {
+        let starts = [0].into_iter().chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.contacts[start..end])
     }
-    islands
 }
 
 /// Gains below this part of what was gained are rounding.
 const GAIN: f64 = 1e-13;
+
+/// Room for the numbers of an island.
+#[derive(Debug, Default)]
+struct Room {
+    /// A number a freedom, zero between uses.
+    scratch: Vec<f64>,
+    set: ActiveSet,
+    /// Of the set's members: impulses, those that would stop them, what these leave, how far to go.
+    lambda: Vec<f64>,
+    target: Vec<f64>,
+    off: Vec<f64>,
+    parts: Vec<f64>,
+    refused: Vec<bool>,
+}
 
 struct Island<'a> {
     impact: &'a Impact,
     contacts: &'a [usize],
     bias: &'a [f64],
     rounding: f64,
-    before: Vector<&'a [f64]>,
-    after: Vector<&'a mut [f64]>,
-    scratch: &'a mut [f64],
-    set: ActiveSet,
-    lambda: Vec<f64>,
+    before: &'a [f64],
+    after: &'a mut [f64],
+    room: &'a mut Room,
 }
 
 impl Island<'_> {
     /// Projects the part of `after` that the island reaches; says how many systems it solved.
     fn solve(&mut self, guess: &[f64]) -> Result<usize, ContactError> {
-        let mut refused = vec![false; self.contacts.len()];
+        self.room.refused.clear();
+        self.room.refused.resize(self.contacts.len(), false);
         let mut solves = self.take_guess(guess);
         let mut best = self.gain();
         let bound = 10 * self.contacts.len() + 20;
         for _ in 0..bound {
-            self.move_by(&self.lambda.clone());
-            let Some(place) = self.fastest_approach(&refused) else {
+            self.move_by(|room| &room.lambda);
+            let Some(place) = self.fastest_approach() else {
                 return Ok(solves);
             };
             let contact = self.contacts[place];
             if !self.take_in(contact) {
-                refused[place] = true;
+                self.room.refused[place] = true;
                 continue;
             }
             solves += self.settle();
-            let stayed = self.set.members().contains(&contact);
+            let stayed = self.room.set.members().contains(&contact);
             let gain = self.gain();
             // A contact that leaves at once came in by rounding only; so did one that takes over from another
             // and gains nothing, and the other would take over from it again.
             if stayed && gain > best + GAIN * best.abs() {
                 best = gain;
-                refused.fill(false);
+                self.room.refused.fill(false);
             } else {
-                refused[place] = true;
+                self.room.refused[place] = true;
             }
         }
         Err(ContactError::NotConverged {
             what: "the inelastic projection",
             iterations: bound,
-            residual: self.impact.approach(Vector(self.after.0)),
-            velocity: self.after.0.to_vec(),
+            residual: self.impact.approach(Vector(&*self.after)),
+            velocity: self.after.to_vec(),
         })
     }
 
@@ -212,42 +283,44 @@ impl Island<'_> {
     /// solve its equations. No set comes twice while it grows.
     fn gain(&self) -> f64 {
         let rates = self.rates(self.before);
-        -0.5 * rates.iter().zip(&self.lambda).map(|(rate, lambda)| rate * lambda).sum::<f64>()
+        -0.5 * rates.zip(&self.room.lambda).map(|(rate, lambda)| rate * lambda).sum::<f64>()
     }
 
     /// Lets a contact push. Where its row depends on those that push already, it takes over from
     /// them, at the same velocity, until the first of them is free to leave; says whether it can.
     fn take_in(&mut self, contact: usize) -> bool {
-        let Err(depends) = self.set.append(self.impact, contact, self.scratch) else {
-            self.lambda.push(0.0);
+        let Room { set, lambda, scratch, .. } = &mut *self.room;
+        let Err(depends) = set.append(self.impact, contact, scratch) else {
+            lambda.push(0.0);
             return true;
         };
         let largest = depends.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-        let shares = self.lambda.iter().zip(&depends).enumerate();
+        let shares = lambda.iter().zip(depends).enumerate();
         let leaves = shares
             .filter(|(_, (_, c))| **c > 1e-9 * largest)
             .map(|(place, (lambda, c))| (place, lambda / c))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((leaving, taken)) = leaves else { return false };
-        for (lambda, c) in self.lambda.iter_mut().zip(&depends) {
+        for (lambda, c) in lambda.iter_mut().zip(depends) {
             *lambda = (*lambda - taken * c).max(0.0);
         }
-        self.set.remove(leaving);
-        self.lambda.remove(leaving);
-        if self.set.append(self.impact, contact, self.scratch).is_err() {
+        set.remove(leaving);
+        lambda.remove(leaving);
+        if set.append(self.impact, contact, scratch).is_err() {
             return false;
         }
-        self.lambda.push(taken);
+        lambda.push(taken);
         true
     }
 
     fn take_guess(&mut self, guess: &[f64]) -> usize {
+        let Room { set, lambda, scratch, .. } = &mut *self.room;
         for &contact in self.contacts.iter().filter(|&&contact| guess[contact] > 0.0) {
-            if self.set.append(self.impact, contact, self.scratch).is_ok() {
-                self.lambda.push(0.0);
+            if set.append(self.impact, contact, scratch).is_ok() {
+                lambda.push(0.0);
             }
         }
-        if self.lambda.is_empty() { 0 } else { self.settle() }
+        if lambda.is_empty() { 0 } else { self.settle() }
     }
 
     /// Moves the impulses towards the solution of the set's equations, and lets go of those that
@@ -255,10 +328,11 @@ impl Island<'_> {
     fn settle(&mut self) -> usize {
         let mut solves = 0;
         loop {
-            let target = self.target();
+            self.aim();
             solves += 1;
+            let Room { set, lambda, target, parts, .. } = &mut *self.room;
             if target.iter().all(|&to| to > 0.0) {
-                self.lambda = target;
+                std::mem::swap(lambda, target);
                 return solves;
             }
             let part = |(&from, &to): (&f64, &f64)| match to <= 0.0 {
@@ -266,54 +340,63 @@ impl Island<'_> {
                 true => 0.0,
                 false => f64::INFINITY,
             };
-            let parts: Vec<f64> = self.lambda.iter().zip(&target).map(part).collect();
+            parts.clear();
+            parts.extend(lambda.iter().zip(&*target).map(part));
             let reach = parts.iter().copied().fold(f64::INFINITY, f64::min);
-            for (lambda, to) in self.lambda.iter_mut().zip(&target) {
-                *lambda += reach * (to - *lambda);
+            for (lambda, to) in lambda.iter_mut().zip(target) {
+                *lambda += reach * (*to - *lambda);
             }
             for place in (0..parts.len()).rev().filter(|&place| parts[place] == reach) {
-                self.set.remove(place);
-                self.lambda.remove(place);
+                set.remove(place);
+                lambda.remove(place);
             }
         }
     }
 
-    /// The impulses that stop all of the set's contacts, with one step of refinement.
-    fn target(&mut self) -> Vec<f64> {
-        let mut z: Vec<f64> = self.rates(self.before).iter().map(|rate| -rate).collect();
-        self.set.solve(&mut z);
-        self.move_by(&z);
-        let mut off: Vec<f64> = self.rates(Vector(self.after.0)).iter().map(|rate| -rate).collect();
-        self.set.solve(&mut off);
-        z.iter_mut().zip(&off).for_each(|(z, off)| *z += off);
-        z
+    /// Finds the impulses that stop all of the set's contacts, with one step of refinement.
+    fn aim(&mut self) {
+        let mut z = std::mem::take(&mut self.room.target);
+        z.clear();
+        z.extend(self.rates(self.before).map(|rate| -rate));
+        self.room.set.solve(&mut z);
+        self.room.target = z;
+        self.move_by(|room| &room.target);
+        let mut off = std::mem::take(&mut self.room.off);
+        off.clear();
+        off.extend(self.rates(self.after).map(|rate| -rate));
+        self.room.set.solve(&mut off);
+        self.room.target.iter_mut().zip(&off).for_each(|(z, off)| *z += off);
+        self.room.off = off;
     }
 
-    fn rates(&self, v: Vector<&[f64]>) -> Vec<f64> {
-        let rate = |&i: &usize| self.impact.relative_velocity(i, v) + self.bias[i];
-        self.set.members().iter().map(rate).collect()
+    /// The rates of the set's members at a velocity.
+    fn rates(&self, v: &[f64]) -> impl Iterator<Item = f64> {
+        let members = self.room.set.members().iter();
+        members.map(move |&i| self.impact.relative_velocity(i, Vector(v)) + self.bias[i])
     }
 
-    /// Writes the velocity after the set's impulses into the freedoms of the island.
-    fn move_by(&mut self, lambda: &[f64]) {
+    /// Writes the velocity after some impulses of the set into the freedoms of the island.
+    fn move_by(&mut self, impulses: impl Fn(&Room) -> &[f64]) {
         for &contact in self.contacts {
             for freedom in self.impact.reached(contact) {
-                self.after.0[freedom] = self.before.0[freedom];
+                self.after[freedom] = self.before[freedom];
             }
         }
-        for (&contact, &lambda) in self.set.members().iter().zip(lambda) {
-            self.impact.push(contact, lambda, self.after.view_mut());
+        for (&contact, &lambda) in self.room.set.members().iter().zip(impulses(self.room)) {
+            self.impact.push(contact, lambda, Vector(&mut *self.after));
         }
     }
 
     /// The place of the contact whose approach would cost the most energy.
-    fn fastest_approach(&self, refused: &[bool]) -> Option<usize> {
+    fn fastest_approach(&self) -> Option<usize> {
         let mut worst = (0.0, None);
-        for (place, &contact) in self.contacts.iter().enumerate().filter(|&(p, _)| !refused[p]) {
+        let stays_out = |place: usize| self.room.refused[place];
+        for (place, &contact) in self.contacts.iter().enumerate().filter(|&(p, _)| !stays_out(p)) {
             let u =
-                self.impact.relative_velocity(contact, Vector(self.after.0)) + self.bias[contact];
+                self.impact.relative_velocity(contact, Vector(&*self.after)) + self.bias[contact];
             let weighed = u / self.impact.compliance(contact).sqrt();
-            if u < -self.rounding && weighed < worst.0 && !self.set.members().contains(&contact) {
+            let pushes = || self.room.set.members().contains(&contact);
+            if u < -self.rounding && weighed < worst.0 && !pushes() {
                 worst = (weighed, Some(place));
             }
         }

@@ -24,7 +24,7 @@ use stationary_calculus::Vector;
 use stationary_constraints::RowLaw;
 
 use crate::coupled::coupled_rows::CoupledRows;
-use crate::impact::projection::{all, islands, project_with};
+use crate::impact::projection::{Islands, all, project_with};
 use crate::{ContactError, Impact};
 
 /// Islands of no more rows are compressed at once, by Newton's method; larger ones by turns.
@@ -66,7 +66,8 @@ impl RoughContacts<'_> {
     pub(crate) fn reflect(&self, v: &mut Vector<Vec<f64>>) -> Result<RoughPass, ContactError> {
         let before = v.clone();
         let settled = SETTLED * self.speed(v.view());
-        let islands = islands(self.normal, &all(self.normal.len()));
+        let mut islands = Islands::default();
+        islands.find(self.normal, &all(self.normal.len()));
         let directions = self.tangent.len() / self.normal.len();
         let small = islands.iter().all(|island| (1 + directions) * island.len() <= ROWS);
         let at_once = small.then(|| self.compress_at_once(&islands, &before, settled, v));
@@ -120,7 +121,7 @@ impl RoughContacts<'_> {
     /// The impulses of compression, all rows of an island at once.
     fn compress_at_once(
         &self,
-        islands: &[Vec<usize>],
+        islands: &Islands,
         before: &Vector<Vec<f64>>,
         settled: f64,
         v: &mut Vector<Vec<f64>>,
@@ -133,7 +134,7 @@ impl RoughContacts<'_> {
         v.copy_from(before.view());
         let mut coupled = CoupledRows::default();
         let mut change = Vector(vec![0.0; self.normal.freedoms()]);
-        for island in islands {
+        for island in islands.iter() {
             // The rows of each contact, its normal first.
             let rows: Vec<(&Impact, usize)> = island
                 .iter()

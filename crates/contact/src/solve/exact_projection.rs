@@ -9,7 +9,8 @@
 
 use stationary_calculus::Vector;
 
-use crate::impact::projection::{all, project_with};
+use crate::impact::Lifting;
+use crate::impact::projection::Projector;
 use crate::solve::sweeps::{Island, Sweeps};
 use crate::{ContactError, ContactIn, ContactRows, Dimension, Impact, InverseMass};
 
@@ -36,24 +37,55 @@ impl<G: Dimension> FreeMotion<'_, G> {
         island: Island<F, D>,
         x: &mut [[f64; D]],
         sweeps: &mut Sweeps<F, D>,
+        room: &mut Room,
     ) -> Result<bool, ContactError> {
         if members.len() > CONTACTS {
             return Ok(false);
         }
-        let mut rows = ContactRows::with_room(members.len(), 2 * F * members.len());
-        members.iter().for_each(|&i| self.points[i].push_row(self.q, &mut rows));
-        let impact = Impact::new(rows, self.mass, vec![0.0; members.len()])?;
-        let bias: Vec<f64> = members.iter().map(|&i| self.bias[i]).collect();
-        let guess: Vec<f64> = x.iter().map(|x| x[0]).collect();
-        let mut v = Vector(self.v.to_vec());
-        let done = project_with(&impact, &all(members.len()), &bias, &guess, v.view_mut());
-        let Ok(done) = done else { return Ok(false) };
-        for ((contact, x), push) in island.contacts.iter().zip(x).zip(done.impulses) {
+        let Room { impact, lifting, all, bias, guess, projector } = room;
+        let fill = |rows: &mut ContactRows| {
+            members.iter().for_each(|&i| self.points[i].push_row(self.q, rows));
+        };
+        impact.refill(self.mass, lifting, fill)?;
+        all.clear();
+        all.extend(0..members.len());
+        bias.clear();
+        bias.extend(members.iter().map(|&i| self.bias[i]));
+        guess.clear();
+        guess.extend(x.iter().map(|x| x[0]));
+        if projector.project(impact, all, bias, guess, Vector(self.v)).is_err() {
+            return Ok(false);
+        }
+        for ((contact, x), &push) in island.contacts.iter().zip(x).zip(&projector.impulses) {
             let mut to = [0.0; D];
             to[0] = push;
             contact.push(&std::array::from_fn(|k| to[k] - x[k]), &mut sweeps.w);
             *x = to;
         }
         Ok(true)
+    }
+}
+
+/// Room for one island after another.
+#[derive(Debug)]
+pub(crate) struct Room {
+    impact: Impact,
+    lifting: Lifting,
+    all: Vec<usize>,
+    bias: Vec<f64>,
+    guess: Vec<f64>,
+    projector: Projector,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Room {
+            impact: Impact::empty(),
+            lifting: Lifting::default(),
+            all: Vec::new(),
+            bias: Vec::new(),
+            guess: Vec::new(),
+            projector: Projector::default(),
+        }
     }
 }

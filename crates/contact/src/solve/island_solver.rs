@@ -12,7 +12,7 @@ use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
 use crate::solve::body_state::BodyState;
-use crate::solve::exact_projection::FreeMotion;
+use crate::solve::exact_projection::{FreeMotion, Room};
 use crate::solve::friction::into_cone;
 use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
@@ -71,6 +71,7 @@ pub struct IslandSolver<V, const F: usize, const D: usize> {
     sweeps: Sweeps<F, D>,
     parts: UnsettledParts<F, D>,
     polish: Polish<D>,
+    exact: Room,
     rounding: f64,
 }
 
@@ -83,6 +84,7 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
             sweeps: Sweeps::default(),
             parts: UnsettledParts::default(),
             polish: Polish::default(),
+            exact: Room::default(),
             rounding: 0.0,
         }
     }
@@ -173,7 +175,8 @@ where
         };
         let mut rubs = self.contacts.iter().zip(x.iter()).map(rubs);
         let smooth = left[1] <= settled && rubs.all(|speed| speed <= settled);
-        if !met(&left) && smooth && free.project(members, island, x, sweeps)? {
+        let room = &mut self.exact;
+        if !met(&left) && smooth && free.project(members, island, x, sweeps, room)? {
             report.projected += 1;
             left = sweeps.residuals(island, x);
         }
