@@ -209,6 +209,28 @@ impl Acting {
 
     /// Adds the power of each thing that acts along a velocity `u`, times `scale`, to the works.
     pub(crate) fn add_powers(&mut self, scale: f64, t: f64, q: &[f64], p: &[f64], u: &[f64]) {
+        self.add_along(scale, (t, q, p), u, |what, each| what.power_of_pins((t, q), each));
+    }
+
+    /// Adds half of the works that forces of one moment do in a step in which all moves by `u`, and pins as they do.
+    pub(crate) fn add_half_works(
+        &mut self,
+        (from, to): (f64, f64),
+        (t, q, p): (f64, &[f64], &[f64]),
+        u: &[f64],
+    ) {
+        let of_pins = |what: &What, each| what.work_of_pins((t, q), (from, to), each);
+        self.add_along(0.5, (t, q, p), u, of_pins);
+    }
+
+    /// Adds what each thing that acts does along `u`, times `scale`, to the works; what pins do is told.
+    fn add_along(
+        &mut self,
+        scale: f64,
+        (t, q, p): (f64, &[f64], &[f64]),
+        u: &[f64],
+        of_pins: impl Fn(&What, usize) -> Option<f64>,
+    ) {
         let half = 0.5 * self.width;
         let Acting { acts, inverse, each, dimension, works, .. } = self;
         for (act, work) in acts.iter().zip(works) {
@@ -222,7 +244,7 @@ impl Acting {
                     let rate = rate.now(t, q, *each);
                     -c * rate.of_momenta(p, inverse)[1] * rate.along(u)
                 }
-                _ => match act.what.power_of_pins((t, q), *each) {
+                _ => match of_pins(&act.what, *each) {
                     Some(power) => power,
                     None => {
                         let mut power = 0.0;
@@ -432,6 +454,17 @@ impl Force for Acting {
                 f.0[freedom] += strength * force;
             });
         }
+    }
+
+    /// That of energies that depend on pins; what else changes with the place does so slowly.
+    fn add_stiffness(&self, t: f64, q: &[f64], stiffness: &mut impl Sink) {
+        #[cfg(feature = "elasticity")]
+        for act in &self.acts {
+            if let What::ByPins(led) = &act.what {
+                led.add_hessian((t, q), self.each, stiffness);
+            }
+        }
+        let _ = (t, q, stiffness);
     }
 
     fn add_damping(&self, t: f64, q: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {

@@ -1,11 +1,11 @@
 //! Energies that depend on where pins are that move: of springs, of elements, of attraction.
 //!
 //! ```text
-//! V(q, X(t)),    F = -dV/dq,    W = <dV/dX, dX>        X places of pins
+//! V(q, X(t)),    F = -dV/dq,    W = <dV/dX, dX>,    K = d2V/dq2        X places of pins
 //! V = -sum_i G m_i M/|x_i - X|                         of a pin that attracts with the mass M
 //! ```
 
-use stationary_calculus::{Covector, Potential, Stencil};
+use stationary_calculus::{Covector, Curvature, FIXED, Potential, Sink, Stencil, StencilHessian};
 use stationary_elasticity::Spring;
 use stationary_integrators::CentralGravity;
 
@@ -93,6 +93,31 @@ impl ByPins {
         }
     }
 
+    /// Adds the second differential by the freedoms of particles.
+    pub(super) fn add_hessian(&self, now: (f64, &[f64]), each: usize, hessian: &mut impl Sink) {
+        match self {
+            ByPins::Spring { spring, pulled, pin } => {
+                let ends = [pin.place(now.0), pulled.place(now.1, each)];
+                let block = Stencil::<2, 3>::hessian(spring, &ends, Curvature::Exact);
+                let own = std::array::from_fn(|d| block[1][d][1]);
+                pulled.add_symmetric(each, own, hessian);
+            }
+            ByPins::Elements { elastic, pins, dimension } => {
+                let free = now.1.len();
+                let q = with_pins(now, pins, *dimension);
+                elastic.add_hessian(&q, &mut FreeFreedoms { free, hessian });
+            }
+            ByPins::Attraction { pin, all } => {
+                for one in all {
+                    let mut own = [[0.0; 3]; 3];
+                    let mut sink = Block(&mut own);
+                    one.law().add_hessian(&one.way(pin, now, each), &mut sink);
+                    one.at.add_symmetric(each, own, hessian);
+                }
+            }
+        }
+    }
+
     /// The differential by the place of each pin.
     pub(super) fn by_places(&self, now: (f64, &[f64]), each: usize) -> Vec<(&MovingPin, [f64; 3])> {
         match self {
@@ -170,6 +195,45 @@ impl Attracted {
         let mut dv = [0.0; 3];
         self.law().add_differential(&self.way(pin, now, each), Covector(&mut dv));
         dv
+    }
+}
+
+/// Passes on what free freedoms feel: those of pins come after them.
+struct FreeFreedoms<'a, S> {
+    free: usize,
+    hessian: &'a mut S,
+}
+
+impl<S> FreeFreedoms<'_, S> {
+    fn seen(&self, freedom: usize) -> usize {
+        if freedom < self.free { freedom } else { FIXED }
+    }
+}
+
+impl<S: Sink> Sink for FreeFreedoms<'_, S> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        let seen: Vec<usize> = freedoms.iter().map(|&freedom| self.seen(freedom)).collect();
+        self.hessian.add_symmetric(&seen, block);
+    }
+
+    fn add_vertices<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        block: &StencilHessian<V, D>,
+    ) {
+        let seen = freedoms.map(|vertex| vertex.map(|freedom| self.seen(freedom)));
+        self.hessian.add_vertices(&seen, block);
+    }
+}
+
+/// A matrix of three by three.
+struct Block<'a>(&'a mut [[f64; 3]; 3]);
+
+impl Sink for Block<'_> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
+            freedoms.iter().zip(column).for_each(|(&i, entry)| self.0[j][i] += entry);
+        }
     }
 }
 
