@@ -105,6 +105,17 @@ impl Strength {
         }
     }
 
+    /// How fast its rate changes at a time; between knots it does not.
+    pub(crate) fn curvature(&self, t: f64) -> f64 {
+        match self {
+            Strength::Pieces(_) => 0.0,
+            &Strength::Sine { amplitude, frequency, phase, .. } => {
+                let omega = TAU * frequency;
+                -amplitude * omega * omega * (omega * t + phase).sin()
+            }
+        }
+    }
+
     /// The integral from `a` to `b`.
     pub fn integral(&self, a: f64, b: f64) -> f64 {
         match self {
@@ -147,9 +158,22 @@ impl Strength {
 
     /// By how much it jumps at a time: what is only steep there does not.
     pub(crate) fn jump(&self, t: f64) -> f64 {
-        let [before, after] = [self.at(t.next_down()), self.at(t)];
-        let steep = 1e-9 * before.abs().max(after.abs());
-        if (after - before).abs() > steep { after - before } else { 0.0 }
+        jump_between([self.at(t.next_down()), self.at(t)])
+    }
+
+    /// By how much its rate jumps at a time.
+    pub(crate) fn jump_of_rate(&self, t: f64) -> f64 {
+        jump_between([self.rate(t.next_down()), self.rate(t)])
+    }
+
+    /// Whether it jumps at any time.
+    pub(crate) fn jumps(&self) -> bool {
+        match self {
+            Strength::Pieces(Pieces { knots, .. }) => {
+                knots.windows(2).any(|pair| pair[0][0] == pair[1][0] && pair[0][1] != pair[1][1])
+            }
+            Strength::Sine { .. } => false,
+        }
     }
 
     /// The same with its sign turned.
@@ -168,6 +192,12 @@ impl Strength {
     pub fn is_constant(&self) -> bool {
         matches!(self, Strength::Pieces(Pieces { knots, .. }) if knots.len() == 1)
     }
+}
+
+/// A jump from one value to another, but for rounding.
+fn jump_between([before, after]: [f64; 2]) -> f64 {
+    let steep = 1e-9 * before.abs().max(after.abs());
+    if (after - before).abs() > steep { after - before } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use stationary_rigid::BodyMethod;
 
 use crate::model::body_shape::BodyShape;
 use crate::model::drives::PinMotion;
-use crate::model::items::RigidBody;
+use crate::model::items::{RigidBody, Rod};
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::text::fault::{BodyFault, Fault};
@@ -67,7 +67,7 @@ impl Scene {
         }
     }
 
-    /// An error where no coordinates of joints are left to follow motors, or a pin moves a rod.
+    /// An error where no coordinates of joints are left to follow motors, or a pin takes a rod along in no time.
     fn check_joint_coordinates(&self) -> Result<(), Fault> {
         let method = self.stepping.name();
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
@@ -75,11 +75,12 @@ impl Scene {
             let instead = "leave the speed of one out: it follows from the others";
             return refused("motors with a speed at all joints of a loop", instead);
         }
-        let led = "rods to pins that move (its equations of rods do not depend on time)";
-        match (self.moves_rods(), self.dimension) {
-            (false, _) => Ok(()),
-            (true, 3) => refused(led, "name `variational-rotation`"),
-            _ => refused(led, "name `stormer-verlet`"),
+        let jumps = |rod: &Rod| self.pin_of(rod).is_some_and(|pin| pin.strength.jumps());
+        match self.stepping {
+            Stepping::Adaptive { .. } if self.rods.iter().any(jumps) => {
+                refused("rods to pins that jump, which takes an infinite force", "make it a `ramp`")
+            }
+            _ => Ok(()),
         }
     }
 
