@@ -11,6 +11,8 @@
 //! second kick is the first one backward: order 2 along with any method of that order. Strengths are means
 //! over the step, so that no pulse is missed. Methods that take forces themselves ask for [`Force`].
 
+#[cfg(feature = "contact")]
+mod bounds;
 #[cfg(feature = "elasticity")]
 mod by_pins;
 mod frame;
@@ -111,6 +113,12 @@ impl Acting {
     /// The same, where a force takes the means of strengths over this time.
     pub(crate) fn with_width(self, width: f64) -> Self {
         Acting { width, ..self }
+    }
+
+    /// The freedoms on which it acts.
+    #[cfg(feature = "contact")]
+    pub(crate) fn freedoms(&self) -> usize {
+        self.inverse.len()
     }
 
     /// The works of what acts in the last step.
@@ -264,10 +272,12 @@ impl Acting {
         v.iter_mut().zip(p).zip(&self.inverse).for_each(|((v, p), inverse)| *v = p * inverse);
     }
 
-    /// Adds the impulses of a whole step, taken at its start; each drag and damper alone ends where it would
+    /// Adds the impulses of a whole step, taken at its start, of a state with or without bodies that nothing acts on behind
+    /// the scene's; each drag and damper alone ends where it would
     /// by implicit Euler, and a frame turns momenta as by itself.
     pub(crate) fn give(&self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
         given.dim = self.inverse.len();
+        let p = &p[..given.dim];
         for act in &self.acts {
             let scale = h * act.strength.mean(t, t + h);
             match act.what {
@@ -288,7 +298,7 @@ impl Acting {
                 }),
             }
             if let What::Frame(frame) = act.what {
-                for (k, seen) in frame.seen(q).enumerate() {
+                for (k, seen) in frame.seen(q).enumerate().take(p.len() / self.each) {
                     let own = self.each * k..self.each * (k + 1);
                     let mut turned = [0.0; 6];
                     let turned = &mut turned[..self.each];
@@ -348,7 +358,7 @@ impl What {
             What::Drag(_) | What::Damper(..) => {}
             // The part that does work; the other turns momenta.
             What::Frame(frame) => {
-                for (k, seen) in frame.seen(now.1).enumerate() {
+                for (k, seen) in frame.seen(now.1).enumerate().take(inverse.len() / each) {
                     let outward = frame.outward(&seen, &inverse[each * k..]);
                     (each * k..).zip(outward).take(each).for_each(|(freedom, f)| tell(freedom, f));
                 }

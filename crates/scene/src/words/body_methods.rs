@@ -78,7 +78,7 @@ impl Scene {
         let jumps = |rod: &Rod| self.pin_of(rod).is_some_and(|pin| pin.strength.jumps());
         match self.stepping {
             Stepping::Adaptive { .. } if self.rods.iter().any(jumps) => {
-                refused("rods to pins that jump, which takes an infinite force", "make it a `ramp`")
+                refused(JUMPS, "make it a `ramp`")
             }
             _ => Ok(()),
         }
@@ -108,21 +108,32 @@ impl Scene {
 
     /// An error where something acts on the scene's bodies for which such a method has no place.
     fn check_contact_alone(&self) -> Result<(), Fault> {
-        let chooses = self.chooses_contact_steps();
-        let round = |motion: &PinMotion| self.particles[motion.particle].radius > 0.0;
-        let what = match self.is_driven() {
-            _ if self.has_joints() => "joints or rods",
-            true if !chooses => "loads, drag, dampers, a frame that turns or changing gravity",
-            true if self.drives.motions.iter().any(round) => "pins that move and touch",
-            _ => return Ok(()),
-        };
-        let instead = match self.dimension {
+        let method = self.stepping.name();
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        let fixed = match self.dimension {
             3 => "name `variational-rotation`",
             _ => "name `stormer-verlet`",
         };
-        Err(Fault::MethodCannot { method: self.stepping.name(), what, instead })
+        if self.has_joints() && !self.chooses_contact_steps() {
+            return refused("joints or rods", fixed);
+        }
+        let jumps = |motion: &PinMotion| {
+            let touches = self.particles[motion.particle].radius > 0.0;
+            let leads = self.rods.iter().any(|rod| rod.ends.contains(&motion.particle));
+            motion.strength.jumps() && (touches || leads)
+        };
+        match self.drives.motions.iter().any(jumps) {
+            _ if self.rods.iter().any(|rod| rod.strength.is_finite()) => {
+                refused("rods that break", fixed)
+            }
+            true => refused(JUMPS, "make it a `ramp`"),
+            false => Ok(()),
+        }
     }
 }
+
+/// What no force and no impulse does.
+const JUMPS: &str = "pins that jump and hold rods or touch, which takes an infinite speed";
 
 /// Whether RATTLE can run along the method's free motion.
 fn follows_free_motion(method: BodyMethod) -> bool {

@@ -135,7 +135,12 @@ fn a_pendulum_on_a_rod_follows_a_pin_that_moves() {
 }
 
 /// The same pendulum beside a body.
-fn swung_beside_a_body(dimension: usize, method: &str, contact: &str, step: f64) -> String {
+pub(crate) fn swung_beside_a_body(
+    dimension: usize,
+    method: &str,
+    contact: &str,
+    step: f64,
+) -> String {
     let [l, w]: [f64; 2] = [0.8, TAU * 0.7];
     let (angle, along) = (0.4_f64, [0.3 * w, 0.15 * w]);
     let at = |x: f64, y: f64| match dimension {
@@ -279,7 +284,7 @@ fn a_pin_that_moves_and_touches_where_nothing_solves_it_is_refused() {
 
 /// The largest distance of the bob from where the independent solution has it, and of its tension from
 /// `m (L a.^2 + g cos a + <p'', along the rod>)`, both along the whole run.
-fn off_the_swung_pendulum(run: &Run, dimension: usize) -> [f64; 2] {
+pub(crate) fn off_the_swung_pendulum(run: &Run, dimension: usize) -> [f64; 2] {
     let [l, w, mass]: [f64; 3] = [0.8, TAU * 0.7, 0.4];
     let mut off = [0.0_f64; 2];
     let every = (run.times().len() / 12).max(1);
@@ -432,7 +437,7 @@ fn what_a_rod_to_a_moving_pin_cannot_do_is_told() {
              motions = [{{ of = \"hook\", shift = [1, 0], strength = {strength} }}]\n"
         )
     };
-    let message = "`dormand-prince-853` cannot step rods to pins that jump, which takes an infinite force: \
+    let message = "`dormand-prince-853` cannot step pins that jump and hold rods or touch, which takes an infinite speed: \
                    make it a `ramp`";
     let jump = text("<<\"dormand-prince-853\">>", "{ step = [0, 1], at = 0.5 }");
     crate::body_diagnostics::refused(&format!("tolerance = 1e-6\n{jump}"), message);

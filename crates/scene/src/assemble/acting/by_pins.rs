@@ -20,9 +20,26 @@ pub(super) struct MovingPin {
     pub(super) start: [f64; 3],
 }
 
+/// Places of a pin at which a pull is looked at, beside the nearest.
+#[cfg(feature = "contact")]
+const LOOKS: u8 = 8;
+
 impl MovingPin {
     pub(super) fn place(&self, t: f64) -> [f64; 3] {
         self.motion.place(self.start, t)
+    }
+
+    /// Places on its way between two times, both ends and the nearest to another place among them.
+    #[cfg(feature = "contact")]
+    fn way(&self, (from, to): (f64, f64), other: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+        let (start, shift) = (self.start, self.motion.shift);
+        let [low, high] = self.motion.strength.range(from, to);
+        let square: f64 = shift.iter().map(|x| x * x).sum();
+        let along: f64 = (0..3).map(|c| (other[c] - start[c]) * shift[c]).sum();
+        let nearest = if square > 0.0 { (along / square).clamp(low, high) } else { low };
+        let looks = (0..=LOOKS).map(move |k| low + (high - low) * f64::from(k) / f64::from(LOOKS));
+        let at = move |s: f64| std::array::from_fn(|c| start[c] + s * shift[c]);
+        looks.chain([nearest]).map(at)
     }
 }
 
@@ -137,6 +154,39 @@ impl ByPins {
                 }
                 vec![(pin, sum)]
             }
+        }
+    }
+
+    /// Tells each body's anchor and no less than the pull there, wherever on its way between two times the pin is.
+    #[cfg(feature = "contact")]
+    pub(super) fn largest_pulls(
+        &self,
+        between: (f64, f64),
+        now: (f64, &[f64]),
+        each: usize,
+        tell: &mut dyn FnMut(&Anchor, f64),
+    ) {
+        let size = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        match self {
+            ByPins::Spring { spring, pulled, pin } => {
+                let at = pulled.place(now.1, each);
+                let pull = |pin| size(Stencil::<2, 3>::differential(spring, &[pin, at])[1]);
+                tell(pulled, pin.way(between, at).map(pull).fold(0.0, f64::max));
+            }
+            ByPins::Attraction { pin, all } => {
+                for one in all {
+                    let at = one.at.place(now.1, each);
+                    let pull = |pin: [f64; 3]| {
+                        let mut dv = [0.0; 3];
+                        let way: [f64; 3] = std::array::from_fn(|c| at[c] - pin[c]);
+                        one.law().add_differential(&way, Covector(&mut dv));
+                        size(dv)
+                    };
+                    tell(&one.at, pin.way(between, at).map(pull).fold(0.0, f64::max));
+                }
+            }
+            // Bodies have no elements.
+            ByPins::Elements { .. } => {}
         }
     }
 
