@@ -247,10 +247,10 @@ fn an_end_that_moves_along_a_path_leads_a_joint_of_every_kind() {
         }
         let within = ends.map(|end| JointEnd { body: Some(first), ..end });
         assert!(matches!(
-            loops.join_moving(&tree, kind.clone(), within, path),
+            loops.join_moving(&tree, kind, within, path),
             Err(TreeError::Loop { fault: JointFault::NoEndInWorld, .. })
         ));
-        loops.join_moving(&tree, kind.clone(), ends, path).unwrap();
+        loops.join_moving(&tree, kind, ends, path).unwrap();
         let mut motion = TreeMotion::new(tree.clone());
         let (mut q, mut v) = (tree.rest(), vec![0.3, -0.2, 0.4, 0.5, -0.6, 0.7]);
         loops.close(&mut motion, &mut q, &mut v).unwrap();

@@ -101,7 +101,7 @@ fn in_air_exactly(step: f64, count: usize) -> Vec<[f64; 4]> {
         let s = (TAU * 1.7 * t + 0.4).sin();
         [u, w, 1.5 * s - 0.4 * u, 3.0 * s - g - 0.4 * w]
     };
-    let hit = |_: f64, y: &mut [f64; 4]| y[3] = -0.7 * y[3];
+    let hit = |_: f64, y: &mut [f64; 4]| y[3] *= -0.7;
     let start = [0.0, 1.1, 0.3, 0.0];
     bounced(rate, |y| y[1] - 0.1, hit, (start, step, count), &[0.25, 0.9])
 }
@@ -165,7 +165,7 @@ fn a_ball_on_a_damped_spring_to_a_swung_pin_bounces_at_the_order_of_its_flights(
         let pull = 12.0 * (x - pin - 1.0) + 0.3 * (u - moves);
         [u, 0.0, -pull / 0.5, 0.0]
     };
-    let hit = |_: f64, y: &mut [f64; 4]| y[2] = -0.6 * y[2];
+    let hit = |_: f64, y: &mut [f64; 4]| y[2] *= -0.6;
     let exact = bounced(rate, |y| 0.15 - y[0], hit, ([0.0; 4], 0.1, 20), &[]);
     for (method, order) in WORDS {
         let runs = [4, 8].map(|every| {
@@ -198,7 +198,7 @@ fn a_disc_in_a_frame_that_turns_bounces_as_seen_from_one_that_does_not() {
         let (out, aside) = (turning * turning, 2.0 * turning);
         [u, v, out * x + aside * v, out * y - aside * u]
     };
-    let hit = |_: f64, y: &mut [f64; 4]| y[2] = -0.8 * y[2];
+    let hit = |_: f64, y: &mut [f64; 4]| y[2] *= -0.8;
     let start = [0.2, 0.1, 1.5, 0.4];
     let exact = bounced(rate, |y| 0.6 - y[0], hit, (start, 0.1, 10), &[]);
     // Until it hits it moves straight.
