@@ -24,10 +24,10 @@
 //! The next length comes from `off`. Works and impulses of contacts are extrapolated as the step is (see `ledger.rs`),
 //! so that the budget of energy closes to the steps' own defect.
 //!
-//! Joints are rows of each step of the world, as with [`World::step_with`]; in addition velocities at its end are those that
-//! joints ask for there, so that the three steps differ by no more than their error, and what is extrapolated is closed
-//! again. Limits count as surfaces that push, dry friction of joints as slip. A step ends where a speed that is told
-//! jumps, and the next one counts as an event.
+//! Joints are rows of each step of the world, as with [`World::step_with`]; in addition velocities at its end are those
+//! that joints ask for there, so that the three steps differ by no more than their error, and what is extrapolated is
+//! closed again. Limits count as surfaces that push, dry friction of joints as slip. A step ends where a speed that is
+//! told jumps, and the next one counts as an event.
 //!
 //! The accuracy bounds what single steps add, not what motion makes of it: where neighbouring motions part fast (a
 //! tumbling box, an edge on which a block may fall either way) the error at the end is that much larger.
@@ -196,7 +196,8 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
     }
 
     /// Adds the works between two times of the last call, J: of friction, of impacts, of obstacles, of lifting out of
-    /// overlap and closing joints, of dry friction of joints, of joints, then of each thing that acts. They change the energy by what the potential does not give, but for the steps' defect.
+    /// overlap and closing joints, of dry friction of joints, of joints, then of each thing that acts. They change the
+    /// energy by what the potential does not give, but for the steps' defect.
     pub fn add_works(&self, between: (f64, f64), works: &mut [f64]) {
         self.ledger.add_works(between, works);
     }

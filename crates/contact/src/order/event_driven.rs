@@ -16,8 +16,8 @@
 //! times its impulse. What a flight's force does inside of it is bounded by its values at both ends (`flight.rs`).
 //!
 //! Each step may take [`EVENTS`] events; what has more of them, as many bodies that keep hitting each other, is
-//! for a world's own steps. Forces beside the potential's act in flights and in contact steps, of which each ends at their
-//! next corner; obstacles move as they are told. There are no joints. Source: notes 11.4 (at the instant);
+//! for a world's own steps. Forces beside the potential's act in flights and in contact steps, of which each ends at
+//! their next corner; obstacles move as they are told. There are no joints. Source: notes 11.4 (at the instant);
 //! Mirtich and Canny 1995 (flight between impacts found conservatively).
 
 use stationary_calculus::{Metric, Potential, SizeError, Vector};

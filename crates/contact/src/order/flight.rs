@@ -1,12 +1,12 @@
 //! Flight of rigid bodies without contact, of order 2 or 4 at any length.
 //!
 //! ```text
-//! F2(s) = kick s/2, drift s, kick s/2          p += s/2 (F - dV), drift: centres straight, free rotation in closed form
+//! F2(s) = kick s/2, drift s, kick s/2        p += s/2 (F - dV), drift: centres straight, free rotation in closed form
 //! F4(s) = F2(a s) F2(a s) F2((1 - 4a) s) F2(a s) F2(a s),   a = 1/(4 - 4^(1/3))
 //! ```
-//! `s` seconds, `dV` the differential of the potential, `F` other forces (see `flight_forces.rs`). Both are explicit, symmetric and symplectic, and exact
-//! without forces, energy included; a flight is the same function of `s` for its end and for any moment on the
-//! way. Where forces are uniform and make no torque `F2` is exact too.
+//! `s` seconds, `dV` the differential of the potential, `F` other forces (see `flight_forces.rs`). Both are explicit
+//! and symmetric, without `F` symplectic, and exact without forces, energy included; a flight is the same function of `s` for its
+//! end and for any moment on the way. Where forces are uniform and make no torque `F2` is exact too.
 //!
 //! Between two moments a body is followed along the chord, the straight path with one rotation between both
 //! poses ([`RigidPathIn`]). With `A` and `B` bounds on the acceleration of the centre (m/s^2) and on that of
@@ -15,7 +15,8 @@
 //! e = d^2/8 (A + rho B),   doubled: the bounds are measured where the flight starts and ends
 //! ```
 //! while it turns by at most a radian. A force that varies more than twofold with the place or the velocity inside of a
-//! flight is not bounded by that; what varies in time is bounded over all of it. Source: notes 9.5; Suzuki 1990 (the five stages); Celledoni et al. 2008 (free rotation).
+//! flight is not bounded by that; what varies in time is bounded over all of it. Source: notes 9.5; Suzuki 1990 (the
+//! five stages); Celledoni et al. 2008 (free rotation).
 
 use stationary_calculus::{Covector, Metric, Potential, Vector};
 use stationary_integrators::State;

@@ -34,8 +34,8 @@ pub trait FlightForces: StepForces {
     /// Places obstacles where they are at the state's time, with their velocity then.
     fn place(&self, state: &mut State<Vec<f64>>);
 
-    /// Adds to each component of `bounds` (N, N m) no less than the size of the forces between two times at the place and
-    /// the momentum of a state; of obstacles their mass times their largest acceleration.
+    /// Adds to each component of `bounds` (N, N m) no less than the size of the forces between two times at the place
+    /// and the momentum of a state; of obstacles their mass times their largest acceleration.
     fn add_bounds(&self, between: (f64, f64), state: &State<Vec<f64>>, bounds: &mut [f64]);
 }
 

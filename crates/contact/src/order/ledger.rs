@@ -7,7 +7,8 @@
 //! ```
 //! `W` works, `J` impulses of contacts, `w` the whole step, `a` and `b` its halves; `W(1/2)` is `W_a` and half of
 //! what extrapolation adds. Impulses of joints are kept as works are; their forces are `dW/ds` over the step's length
-//! where the step is extrapolated, else those of its halves. So at any time works and impulses are those of the momentum that is read there.
+//! where the step is extrapolated, else those of its halves. So at any time works and impulses are those of the
+//! momentum that is read there.
 
 use crate::{Dimension, Touch};
 

@@ -6,8 +6,8 @@ use stationary_integrators::State;
 
 /// Forces that are constant over a step, such as means of what changes within it.
 pub trait StepForces: Force {
-    /// Looks at the step of `h` seconds that starts from a state: what follows is asked of this one. Obstacles are placed
-    /// where they are then, with the mean velocity of the step.
+    /// Looks at the step of `h` seconds that starts from a state: what follows is asked of this one. Obstacles are
+    /// placed where they are then, with the mean velocity of the step.
     fn prepare(&mut self, state: &mut State<Vec<f64>>, h: f64);
 
     /// Adds the work of each thing that acts, J, in the step from one state to another, along which the mean

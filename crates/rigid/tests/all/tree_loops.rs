@@ -212,7 +212,8 @@ fn path(t: f64) -> [Vector3<f64>; 3] {
     std::array::from_fn(|k| Vector3::new(x[k], y[k], z[k]))
 }
 
-/// If the row's speed, its acceleration or its power were wrong, it would open, or the energy would not be that power's.
+/// If the row's speed, its acceleration or its power were wrong, it would open, or the energy would not be that
+/// power's.
 #[test]
 fn an_end_that_moves_along_a_path_leads_a_joint_of_every_kind() {
     let axis = Vector3::new(0.2, 0.3, 0.9).normalize();

@@ -272,8 +272,8 @@ impl Acting {
         v.iter_mut().zip(p).zip(&self.inverse).for_each(|((v, p), inverse)| *v = p * inverse);
     }
 
-    /// Adds the impulses of a whole step, taken at its start, of a state with or without bodies that nothing acts on behind
-    /// the scene's; each drag and damper alone ends where it would
+    /// Adds the impulses of a whole step, taken at its start, of a state with or without bodies that nothing acts on
+    /// behind the scene's; each drag and damper alone ends where it would
     /// by implicit Euler, and a frame turns momenta as by itself.
     pub(crate) fn give(&self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
         given.dim = self.inverse.len();

@@ -5,7 +5,8 @@
 //! p = sum J_b^T P_b,   v = M^-1 p         the speeds of joints, from the momenta of bodies
 //! ```
 //! `q v` coordinates and speeds of the joints, `P` momenta. Joints that close loops are rows beside the tree, and so
-//! are rods, whose pins may move; motors with a speed are schedules of coordinates. In the plane every turn is about the third axis.
+//! are rods, whose pins may move; motors with a speed are schedules of coordinates. In the plane every turn is about
+//! the third axis.
 
 use nalgebra::Vector3;
 use stationary_calculus::Covector;

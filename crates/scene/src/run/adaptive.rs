@@ -35,8 +35,8 @@ pub(crate) trait Reader {
     /// Writes the scene's state.
     fn read(&mut self, t: f64, y: &[f64], state: &mut State<Vec<f64>>) -> Result<(), StepFailure>;
 
-    /// Brings the numbers where what is held is held; where that changed them by more than an error may, or the speed of a
-    /// motor or of a pin jumps, the work of the jump.
+    /// Brings the numbers where what is held is held; where that changed them by more than an error may, or the speed
+    /// of a motor or of a pin jumps, the work of the jump.
     fn restore(&mut self, _t: f64, _y: &mut [f64]) -> Result<Option<f64>, StepFailure> {
         Ok(None)
     }

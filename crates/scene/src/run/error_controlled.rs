@@ -9,9 +9,9 @@
 //! as long as what it keeps is little and as its first short steps do not count; a run goes on from its start,
 //! so that nothing but the state is remembered. Where a stretch fails, a single step of the scene is tried.
 //!
-//! Joints, rods and motors are rows of each step, pins that move and touch obstacles, which the scene's states leave out.
-//! Works and impulses of contacts are those of the chosen steps, each in the part of it that falls into a step of the
-//! scene: what is left of the energy's budget is the error of the steps.
+//! Joints, rods and motors are rows of each step, pins that move and touch obstacles, which the scene's states leave
+//! out. Works and impulses of contacts are those of the chosen steps, each in the part of it that falls into a step of
+//! the scene: what is left of the energy's budget is the error of the steps.
 
 use std::borrow::Cow;
 

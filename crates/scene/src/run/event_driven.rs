@@ -1,9 +1,9 @@
 //! Bodies that touch, with impacts at their instant: flight in between, contact that lasts by steps of a world.
 //!
-//! What acts gives kicks before and after each drift of a flight, and impulses over contact steps; pins that move and touch
-//! are obstacles, which the scene's states leave out. The work of impacts is that of all impacts of a step, with their friction; the works of friction and of
-//! lifting are those of contact steps. What is left of the energy's budget is the defect of flight, of order 2
-//! or 4, and of order 1 while anything rests or slides.
+//! What acts gives kicks before and after each drift of a flight, and impulses over contact steps; pins that move and
+//! touch are obstacles, which the scene's states leave out. The work of impacts is that of all impacts of a step, with
+//! their friction; the works of friction and of lifting are those of contact steps. What is left of the energy's budget
+//! is the defect of flight, of order 2 or 4, and of order 1 while anything rests or slides.
 
 use stationary_calculus::Potential;
 use stationary_contact::{BodiesIn, DetectorIn, EventDriven, EventKind, Flies, FlightOrder};

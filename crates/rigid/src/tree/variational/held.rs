@@ -6,8 +6,8 @@
 //! f = (a + b)/h,     W = -<a, dg/dt (t)> - <b, dg/dt (t + h)>
 //! ```
 //! `g` the gaps of loops, whose ends in the world may move, then `q_k - s(t)` of the driven coordinates `k`, `J` their
-//! slopes along the joints, `a b` impulses (N s, N m s). With what drives the tree the kicks come after `a` and before `b`: the step is its own
-//! inverse. It is what RATTLE does in full coordinates.
+//! slopes along the joints, `a b` impulses (N s, N m s). With what drives the tree the kicks come after `a` and before
+//! `b`: the step is its own inverse. It is what RATTLE does in full coordinates.
 
 use stationary_calculus::{DenseLu, NewtonError, NewtonFailure};
 use stationary_integrators::StepError;
