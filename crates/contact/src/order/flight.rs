@@ -5,8 +5,8 @@
 //! F4(s) = F2(a s) F2(a s) F2((1 - 4a) s) F2(a s) F2(a s),   a = 1/(4 - 4^(1/3))
 //! ```
 //! `s` seconds, `dV` the differential of the potential, `F` other forces (see `flight_forces.rs`). Both are explicit
-//! and symmetric, without `F` symplectic, and exact without forces, energy included; a flight is the same function of `s` for its
-//! end and for any moment on the way. Where forces are uniform and make no torque `F2` is exact too.
+//! and symmetric, without `F` symplectic, and exact without forces, energy included; a flight is the same function of
+//! `s` for its end and for any moment on the way. Where forces are uniform and make no torque `F2` is exact too.
 //!
 //! Between two moments a body is followed along the chord, the straight path with one rotation between both
 //! poses ([`RigidPathIn`]). With `A` and `B` bounds on the acceleration of the centre (m/s^2) and on that of
