@@ -19,9 +19,13 @@ pub trait Force {
 
     /// Adds the symmetric part of -dF/dv, block by block, in the same order for every q and v.
     ///
-    /// What dF/dq and an unsymmetric dF/dv leave out costs Newton's method iterations, not
-    /// correctness.
+    /// What an unsymmetric dF/dv leaves out costs Newton's method iterations, not correctness.
     fn add_damping(&self, _t: f64, _q: &[f64], _v: Vector<&[f64]>, _damping: &mut impl Sink) {}
+
+    /// Adds the symmetric part of -dF/dq, block by block, in the same order for every q.
+    ///
+    /// What it leaves out costs Newton's method iterations, not correctness.
+    fn add_stiffness(&self, _t: f64, _q: &[f64], _stiffness: &mut impl Sink) {}
 
     /// How many powers it tells apart, one for each thing that acts; none unless it says so.
     fn works(&self) -> usize {
@@ -51,6 +55,10 @@ impl<F: Force> Force for &F {
 
     fn add_damping(&self, t: f64, q: &[f64], v: Vector<&[f64]>, damping: &mut impl Sink) {
         F::add_damping(self, t, q, v, damping);
+    }
+
+    fn add_stiffness(&self, t: f64, q: &[f64], stiffness: &mut impl Sink) {
+        F::add_stiffness(self, t, q, stiffness);
     }
 
     fn works(&self) -> usize {
@@ -84,6 +92,12 @@ impl<F: Force> Force for Option<F> {
     fn add_damping(&self, t: f64, q: &[f64], v: Vector<&[f64]>, damping: &mut impl Sink) {
         if let Some(force) = self {
             force.add_damping(t, q, v, damping);
+        }
+    }
+
+    fn add_stiffness(&self, t: f64, q: &[f64], stiffness: &mut impl Sink) {
+        if let Some(force) = self {
+            force.add_stiffness(t, q, stiffness);
         }
     }
 
@@ -133,6 +147,10 @@ macro_rules! sum_of_forces {
                 _damping: &mut impl Sink,
             ) {
                 $(self.$index.add_damping(_t, _q, _v, _damping);)*
+            }
+
+            fn add_stiffness(&self, _t: f64, _q: &[f64], _stiffness: &mut impl Sink) {
+                $(self.$index.add_stiffness(_t, _q, _stiffness);)*
             }
 
             fn works(&self) -> usize {

@@ -196,6 +196,11 @@ impl VelocityRows {
         self.entries[self.starts[row]..self.starts[row + 1]].iter().copied()
     }
 
+    /// The velocity that a row asks for.
+    pub fn asked(&self, row: usize) -> f64 {
+        self.asked[row]
+    }
+
     /// What a velocity lacks of what a row asks for: `J_i v - w_i`.
     #[inline]
     pub fn lack(&self, row: usize, v: Vector<&[f64]>) -> f64 {

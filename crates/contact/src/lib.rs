@@ -105,6 +105,8 @@ pub use order::event_driven::{EVENTS, EventDriven, EventDrivenReport, SKIN};
 #[cfg(any(feature = "2d", feature = "3d"))]
 pub use order::flight::{Flies, FlightOrder};
 #[cfg(any(feature = "2d", feature = "3d"))]
+pub use order::flight_forces::{FlightForces, StageEnd};
+#[cfg(any(feature = "2d", feature = "3d"))]
 pub use order::step_forces::StepForces;
 #[cfg(feature = "3d")]
 pub use shapes::collider::Collider;

@@ -55,6 +55,7 @@ pub(crate) mod jointed;
 pub(crate) mod masonry;
 
 use stationary_calculus::{Force, Metric, Potential, SizeError, Space, System, Vector};
+use stationary_constraints::VelocityRows;
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
@@ -219,6 +220,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// of what asks for a rate of turn. Over the step they are the forces that hold joints.
     pub fn joint_impulses(&self) -> &[f64] {
         &self.memory.joint_impulses
+    }
+
+    /// The rows of joints of the last step and their impulses.
+    pub(crate) fn joint_rows(&self) -> (&VelocityRows, &[f64]) {
+        (&self.memory.joints, &self.memory.joint_impulses)
+    }
+
+    /// Whether nothing slows a body down.
+    pub(crate) fn is_obstacle(&self, body: usize) -> bool {
+        self.obstacles.contains(&body)
     }
 
     /// The velocities between which the forces of the last step did their work: after its impacts, and at its

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! M (x - y) + A (dV(x) - F(t, x, w(x))) = 0,      w(x) = start + slope (x - origin)
-//! M + A (d2V + slope C),                          C = -dF/dw
+//! M + A (d2V + K + slope C),                      K = -dF/dx,  C = -dF/dw
 //! ```
 //! `x` the unknown configuration (n), `y` and `origin` known ones, `w` the velocity that goes with
 //! x, `slope` in 1/s, `A` in s^2, `M` the metric, `V` the potential, `F` the force, which may be
@@ -142,8 +142,8 @@ impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Equation
     }
 }
 
-/// What a solver takes for a potential: its Hessian is that of the potential and the damping that
-/// goes with the velocity.
+/// What a solver takes for a potential: its Hessian is that of the potential, the force's stiffness and the
+/// damping that goes with the velocity.
 struct Tangent<'a, P, F> {
     potential: &'a P,
     force: Option<&'a F>,
@@ -169,6 +169,7 @@ impl<P: Potential, F: Force> Potential for Tangent<'_, P, F> {
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         self.potential.add_hessian(q, hessian);
         if let Some(force) = self.force {
+            force.add_stiffness(self.t, q, hessian);
             let scratch = self.scratch.take();
             let mut scaled = Scaled::new(self.slope, hessian).with_scratch(scratch);
             force.add_damping(self.t, q, Vector(self.velocity), &mut scaled);

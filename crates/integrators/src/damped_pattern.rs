@@ -1,7 +1,7 @@
 //! Where the matrix of an implicit step with a force has its entries.
 //!
 //! ```text
-//! d2V(q) + C,    C = -dF/dv       n x n, symmetric; a step weighs the two, which moves no entry
+//! d2V(q) + K + C,    K = -dF/dq,  C = -dF/dv       n x n, symmetric; a step weighs them, which moves no entry
 //! ```
 //! A sparse solver is analysed with this in place of the potential. It is no potential of the
 //! motion: nothing but its entries' places is used.
@@ -32,6 +32,7 @@ impl<P: Potential, F: Force> Potential for DampedPattern<'_, P, F> {
 
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         self.potential.add_hessian(q, hessian);
+        self.force.add_stiffness(0.0, q, hessian);
         let rest = vec![0.0; self.dim()];
         self.force.add_damping(0.0, q, Vector(&rest), hessian);
     }

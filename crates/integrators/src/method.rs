@@ -123,6 +123,16 @@ impl Method {
         }
     }
 
+    /// The weights with which [`Newmark`] takes the steps of an implicit method of one stage, forces included.
+    pub fn weights_with_force(self) -> Option<NewmarkWeights> {
+        match self {
+            Method::ImplicitEuler => Some(NewmarkWeights::IMPLICIT_EULER),
+            Method::Trapezoid => Some(AVERAGE),
+            Method::ImplicitMidpoint => Some(NewmarkWeights::with_radius(1.0)),
+            _ => self.newmark_weights(),
+        }
+    }
+
     /// The method on a system; an implicit one factors dense matrices.
     ///
     /// # Errors

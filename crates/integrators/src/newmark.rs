@@ -11,7 +11,7 @@
 //!
 //! ```text
 //! M (x - y) + A (dV(x) - F(t~, x, w)) = 0,    A = (1 - af) beta h^2/(1 - am)
-//! M + A (d2V + gamma/(beta h) C)              Newton's matrix, C = -dF/dw,  dw/dx = gamma/(beta h)
+//! M + A (d2V + K + gamma/(beta h) C)          Newton's matrix, K = -dF/dx,  C = -dF/dw,  dw/dx = gamma/(beta h)
 //! ```
 //! Implicit. Order, symmetry and stability depend on the weights, and the facts say which: the
 //! average acceleration is the trapezoid rule, and damps nothing; generalized alpha leaves the part
@@ -23,8 +23,8 @@
 //! takes the state's own acceleration instead, at the price of one evaluation and of a power of h in
 //! that one step. A run that is resumed from the state alone therefore agrees to rounding where
 //! am = af, and to the order of the method elsewhere; with what [`Integrator::save`] gives beside the
-//! state it goes on to the same bits. What dF/dq and an unsymmetric dF/dv leave out costs iterations,
-//! which are bounded.
+//! state it goes on to the same bits. What unsymmetric dF/dq and dF/dv leave out costs iterations, which are
+//! bounded.
 //! Source: Newmark 1959; Chung and Hulbert 1993.
 
 use stationary_calculus::{
@@ -169,7 +169,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
 
     /// Sets the equation up for a step from this state; its unknown starts on the drift.
     fn prepare(&mut self, state: &State<C>, h: f64) {
-        let NewmarkWeights { beta, gamma, old_inertia, old_force, .. } = self.weights;
+        let NewmarkWeights { beta, gamma, old_place, old_inertia, old_force, .. } = self.weights;
         let (new_force, equation) = (1.0 - old_force, &mut self.equation);
         let metric = equation.system.metric();
         equation.a = new_force * beta * h * h / (1.0 - old_inertia);
@@ -179,9 +179,9 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         self.next.p.clone_from(&state.p);
         self.next.p.add_scaled(new_force * h * (1.0 - gamma), self.rate.view());
         metric.sharp(self.next.p.view(), equation.start.view_mut());
-        // The origin: q + (1 - af) (h v + h^2 (1/2 - beta) a).
+        // The origin: q + (1 - af) (h v + h^2 (1/2 - beta) a), and without a by implicit Euler.
         self.next.p.clone_from(&state.p);
-        self.next.p.add_scaled(h * (0.5 - beta), self.rate.view());
+        self.next.p.add_scaled(h * old_place, self.rate.view());
         metric.drift(new_force * h, self.next.p.view(), equation.velocity.view_mut());
         equation.origin.clone_from(&state.q);
         let space = equation.system.space();
@@ -195,7 +195,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
 
     /// The state after the step, from the unknown in `next.q`.
     fn finish(&mut self, state: &State<C>, h: f64) {
-        let NewmarkWeights { beta, gamma, old_inertia, .. } = self.weights;
+        let NewmarkWeights { beta, gamma, old_place, old_inertia, .. } = self.weights;
         let equation = &mut self.equation;
         equation.follow(self.next.q.as_ref());
         std::mem::swap(&mut equation.origin, &mut self.next.q);
@@ -206,7 +206,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver>
         let (metric, State { q, p, .. }) = (equation.system.metric(), &mut self.next);
         q.clone_from(&state.q);
         p.clone_from(&state.p);
-        p.add_scaled(h * (0.5 - beta), self.rate.view());
+        p.add_scaled(h * old_place, self.rate.view());
         p.add_scaled(h * beta, self.next_rate.view());
         metric.drift(h, p.view(), equation.difference.view_mut());
         equation.system.space().advance(q.as_mut(), 1.0, equation.difference.view());

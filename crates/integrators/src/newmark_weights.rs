@@ -13,7 +13,7 @@
 
 use crate::{
     Conservation, Damping, EnergyBehavior, ErrorGrowth, Evaluation, Facts, ParameterError,
-    Stability, Symplecticity,
+    Stability, Symplecticity, implicit_euler,
 };
 
 /// The weights of a method of Newmark's family.
@@ -21,6 +21,8 @@ use crate::{
 pub struct NewmarkWeights {
     pub(crate) beta: f64,
     pub(crate) gamma: f64,
+    /// The part of the old acceleration in the place: 1/2 - beta, but of implicit Euler.
+    pub(crate) old_place: f64,
     /// am: the part of the old acceleration in the equation of motion.
     pub(crate) old_inertia: f64,
     /// af: the part of the old configuration in the equation of motion.
@@ -47,8 +49,23 @@ const FACTS: Facts = Facts {
 impl NewmarkWeights {
     /// The average acceleration, beta = 1/4 and gamma = 1/2: without damping forces it is the
     /// trapezoid rule.
-    pub const AVERAGE_ACCELERATION: NewmarkWeights =
-        NewmarkWeights { beta: 0.25, gamma: 0.5, old_inertia: 0.0, old_force: 0.0, facts: FACTS };
+    pub const AVERAGE_ACCELERATION: NewmarkWeights = NewmarkWeights::of(0.25, 0.5, FACTS);
+
+    /// Implicit Euler, `v' = v + h a'` and `q' = q + h v'`, which is none of Newmark's.
+    pub(crate) const IMPLICIT_EULER: NewmarkWeights =
+        NewmarkWeights { old_place: 0.0, ..NewmarkWeights::of(1.0, 1.0, implicit_euler::FACTS) };
+
+    /// Newmark's weights with these facts.
+    const fn of(beta: f64, gamma: f64, facts: Facts) -> Self {
+        NewmarkWeights {
+            beta,
+            gamma,
+            old_place: 0.5 - beta,
+            old_inertia: 0.0,
+            old_force: 0.0,
+            facts,
+        }
+    }
 
     /// Newmark's weights: `beta` in (0, 1], `gamma` in [1/2, 1].
     ///
@@ -76,7 +93,7 @@ impl NewmarkWeights {
         };
         let facts = if gamma > 0.5 { damped } else { FACTS };
         let facts = Facts { stability, damping, ..facts };
-        Ok(NewmarkWeights { beta, gamma, old_inertia: 0.0, old_force: 0.0, facts })
+        Ok(NewmarkWeights::of(beta, gamma, facts))
     }
 
     /// The generalized-alpha weights that leave the part `radius` in [0, 1] of the fastest
@@ -112,13 +129,9 @@ impl NewmarkWeights {
                 ..midpoint
             }
         };
-        NewmarkWeights {
-            beta: 0.25 * (1.0 + shift) * (1.0 + shift),
-            gamma: 0.5 + shift,
-            old_inertia,
-            old_force,
-            facts,
-        }
+        let beta = 0.25 * (1.0 + shift) * (1.0 + shift);
+        let weights = NewmarkWeights::of(beta, 0.5 + shift, facts);
+        NewmarkWeights { old_inertia, old_force, ..weights }
     }
 
     /// What is known of the method with these weights.

@@ -45,7 +45,7 @@
 //! | `[units]` | `length`, `time`, `mass` | words for headings; they change no number |
 //! | `[uniform_gravity]` | `acceleration`, `strength` | a vector, and how strong it is in time |
 //! | `[newtonian_gravity]` | `constant` | between every two particles and, in space, bodies that are a `ball`, outside of each other; a particle that is pinned and has a mass attracts, and stays |
-//! | `[drag]` | `coefficient` | holds back every free particle and the centre of every body by the coefficient times its velocity; for methods of order up to 2 and those that choose their own steps |
+//! | `[drag]` | `coefficient` | holds back every free particle and the centre of every body by the coefficient times its velocity; for methods of order up to 2, those that choose their own steps and flight between impacts |
 //! | `[frame]` | `angular_velocity` | of a frame that turns about the origin, in which everything is seen |
 //! | `[contact]` | `restitution`, `friction`, `law`, `when`, `stiffness`, `walls`, `balls` | what has a radius touches: see below |
 //! | `[[particles]]` | `name`, `mass`, `position`, `velocity` or `momentum`, `pinned`, `radius` | at rest where neither is given; `pinned = true` needs no mass; a point without a radius |

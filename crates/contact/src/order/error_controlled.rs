@@ -9,8 +9,9 @@
 //! | in the step | off |
 //! | --- | --- |
 //! | slip of the same surfaces starts, ends or turns | `max(|x1 - x2|, T |x2. - x.|)` |
-//! | a gap `g` hits | `max(|x1 - x2|, (1 + c) g)` |
+//! | a gap `g` hits, a limit of a joint does | `max(|x1 - x2|, (1 + c) g)` |
 //! | all else | `|x1 - x2|` |
+//! | any | `|x~ - (x0 + x2)/2|`, `x~` after half of the step: what is read in between is straight |
 //!
 //! `S` a step of the world, with its own solution of contact and friction; `x` points of bodies (m) and `x.`
 //! their velocities (m/s), `a` the accuracy that is asked for (m), `h` the step (s), `T` for how long an error of
@@ -23,12 +24,18 @@
 //! The next length comes from `off`. Works and impulses of contacts are extrapolated as the step is (see `ledger.rs`),
 //! so that the budget of energy closes to the steps' own defect.
 //!
+//! Joints are rows of each step of the world, as with [`World::step_with`]; in addition velocities at its end are those
+//! that joints ask for there, so that the three steps differ by no more than their error, and what is extrapolated is
+//! closed again. Limits count as surfaces that push, dry friction of joints as slip. A step ends where a speed that is
+//! told jumps, and the next one counts as an event.
+//!
 //! The accuracy bounds what single steps add, not what motion makes of it: where neighbouring motions part fast (a
 //! tumbling box, an edge on which a block may fall either way) the error at the end is that much larger.
 //! Source: Hairer, Norsett and Wanner 1993, II.4 (step doubling, extrapolated); Kurtz and Castro 2025 (step
 //! doubling with a convex contact solve).
 
 use stationary_calculus::{Covector, Metric, Potential, Vector};
+use stationary_constraints::RowLaw;
 use stationary_integrators::{State, StepError};
 
 use crate::error::check_time;
@@ -39,7 +46,7 @@ use crate::order::pieces::{Motion, Pieces, between};
 use crate::order::pushing::{Pushing, Seen};
 use crate::order::step_forces::StepForces;
 use crate::solve::body_state::speed;
-use crate::{ContactError, Dimension, Touch, World, WorldReport};
+use crate::{ContactError, Dimension, JointRows, Touch, World, WorldReport};
 
 /// The most steps in one call, rejected ones counted too.
 pub const STEPS: usize = 1_000_000;
@@ -92,6 +99,8 @@ pub struct ErrorControlled<G: Flies, P> {
     pieces: Pieces,
     events: Vec<Event>,
     ledger: Ledger<G>,
+    /// The columns of the ledger before impulses of joints.
+    acting: usize,
     /// What pushes in the last step that was taken.
     last: Seen<G>,
     seen: [Seen<G>; 3],
@@ -105,6 +114,8 @@ pub struct ErrorControlled<G: Flies, P> {
     start: State<Vec<f64>>,
     whole: State<Vec<f64>>,
     halves: State<Vec<f64>>,
+    /// Where bodies are after the first half.
+    middle: Vec<f64>,
 }
 
 /// What happens within a step.
@@ -149,6 +160,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             pieces: Pieces::default(),
             events: Vec::new(),
             ledger: Ledger::default(),
+            acting: OF_CONTACT,
             last: Seen::default(),
             seen: Default::default(),
             works: Default::default(),
@@ -157,6 +169,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             start: State::default(),
             whole: State::default(),
             halves: State::default(),
+            middle: Vec::new(),
         })
     }
 
@@ -182,10 +195,17 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         &self.events
     }
 
-    /// Adds the works between two times of the last call, J: of friction, of impacts, of lifting out of overlap, then
-    /// of each thing that acts. They change the energy by what the potential does not give, but for the steps' defect.
+    /// Adds the works between two times of the last call, J: of friction, of impacts, of obstacles, of lifting out of
+    /// overlap and closing joints, of dry friction of joints, of joints, then of each thing that acts. They change the
+    /// energy by what the potential does not give, but for the steps' defect.
     pub fn add_works(&self, between: (f64, f64), works: &mut [f64]) {
         self.ledger.add_works(between, works);
+    }
+
+    /// Writes the forces along the equations of joints at a time of the last call, N or N m: one of their impulses each
+    /// that are equalities, in their order, over the step.
+    pub fn joint_forces(&self, t: f64, forces: &mut Vec<f64>) {
+        self.ledger.rates(t, self.acting, forces);
     }
 
     /// Shows what touched between two times of the last call, with the part of its impulses that fell into them,
@@ -228,6 +248,20 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         duration: f64,
         forces: &mut impl StepForces,
     ) -> Result<ErrorControlledReport, ContactError> {
+        self.advance_with(state, duration, &(), forces)
+    }
+
+    /// The same with joints, whose rows are solved together with the contacts that they answer to.
+    ///
+    /// # Errors
+    /// Those of [`ErrorControlled::advance_under`] and of [`World::step_with`].
+    pub fn advance_with(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        duration: f64,
+        joints: &impl JointRows,
+        forces: &mut impl StepForces,
+    ) -> Result<ErrorControlledReport, ContactError> {
         if !(duration > 0.0 && duration.is_finite()) {
             return Err(StepError::Step(duration).into());
         }
@@ -237,13 +271,12 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             return Err(ContactError::Tolerance(self.accuracy));
         }
         let (length, last) = (self.length, self.last.clone());
-        let width = OF_CONTACT + forces.works();
+        self.acting = OF_CONTACT + forces.works();
         self.pieces.clear();
         self.events.clear();
-        self.ledger.clear(width);
-        self.works.iter_mut().for_each(|works| works.resize(width, 0.0));
+        self.ledger.clear();
         self.now.clone_from(state);
-        match self.go(state.t + duration, duration, forces) {
+        match self.go(state.t + duration, duration, joints, forces) {
             Ok(report) => {
                 self.pieces.finish(&self.now);
                 state.clone_from(&self.now);
@@ -252,7 +285,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             Err(error) => {
                 self.pieces.clear();
                 self.events.clear();
-                self.ledger.clear(width);
+                self.ledger.clear();
                 (self.length, self.last) = (length, last);
                 Err(error)
             }
@@ -263,6 +296,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         &mut self,
         end: f64,
         duration: f64,
+        joints: &impl JointRows,
         forces: &mut impl StepForces,
     ) -> Result<ErrorControlledReport, ContactError> {
         let mut report = ErrorControlledReport {
@@ -284,7 +318,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 steps if steps < 2.0 => 0.5 * left,
                 _ => length,
             };
-            let tried = self.attempt(h, forces, &mut report)?;
+            let tried = self.attempt(h, joints, forces, &mut report)?;
             let order = if tried.within == Within::Smooth { 2.0 } else { 1.0 };
             let fitting = SAFETY * (share / tried.off).powf(1.0 / order);
             length = h * fitting.clamp(CHANGE[0], CHANGE[1]);
@@ -296,7 +330,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 }
                 continue;
             }
-            self.accept(h, goal, &tried, &mut report)?;
+            self.accept((h, goal), &tried, joints, &mut report)?;
         }
         self.length = Some(length);
         Ok(report)
@@ -306,17 +340,18 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
     fn attempt(
         &mut self,
         h: f64,
+        joints: &impl JointRows,
         forces: &mut impl StepForces,
         report: &mut ErrorControlledReport,
     ) -> Result<Tried, ContactError> {
         self.whole.clone_from(&self.now);
         self.halves.clone_from(&self.now);
-        let within = Within::Smooth;
+        let jumps = forces.jumps(self.now.t);
         let mut tried = Tried {
             off: 0.0,
-            within,
+            within: if jumps { Within::Meets } else { Within::Smooth },
             settled: true,
-            hits: false,
+            hits: jumps,
             impacts: false,
             impact_energy: 0.0,
         };
@@ -326,9 +361,13 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 if k == 0 { (&mut self.whole, h) } else { (&mut self.halves, 0.5 * h) };
             forces.prepare(of, length);
             self.start.clone_from(of);
-            let done = self.world.step_under(of, length, &(), &*forces)?;
+            let mut done = self.world.step_under(of, length, joints, &*forces)?;
+            self.world.settle_joints(of, joints, &mut done)?;
             report.world_steps += 1;
             report.solves += work(&done);
+            if k == 1 {
+                self.middle.clone_from(&self.halves.q);
+            }
             if k > 0 {
                 tried.settled &= done.settled;
                 tried.impacts |= done.impacts > 0;
@@ -337,7 +376,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 self.touches[k - 1].extend(self.world.touches().filter(pushes));
             }
             self.find_works(k, &done, forces);
-            self.seen[k].look(&self.world);
+            self.seen[k].look(&self.world, length);
             if done.impacts > 0 || self.seen[k].closes(slow * length) {
                 tried.within = Within::Meets;
                 tried.hits = true;
@@ -357,23 +396,36 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         tried.off = self.seen.iter().map(|seen| seen.early).fold(0.0, f64::max);
         let horizon = if tried.within == Within::SlipChanges { self.horizon } else { 0.0 };
         for body in 0..self.world.detector().bodies() {
-            let [whole, halves] = [&self.whole.q, &self.halves.q].map(|q| G::pose(q, body));
-            let [apart, angle] = G::apart(&whole, &halves);
+            if self.world.is_obstacle(body) {
+                continue;
+            }
             let radius = self.world.detector().radius_of(body);
+            let far = |a: &G::Motion, b: &G::Motion| {
+                let [apart, angle] = G::apart(a, b);
+                apart + radius * angle
+            };
+            let [whole, halves, middle] =
+                [&self.whole.q, &self.halves.q, &self.middle].map(|q| G::pose(q, body));
+            let between = chord::<G>(&self.now.q, &self.halves.q, body)?.at(0.5);
             let rates = &self.rates.0[G::FREEDOMS * body..][..G::FREEDOMS];
             let faster = horizon * speed::<G>(rates, radius);
-            tried.off = tried.off.max(apart + radius * angle).max(faster);
+            tried.off = tried.off.max(far(&whole, &halves)).max(far(&between, &middle)).max(faster);
         }
         Ok(tried)
     }
 
     /// Writes the works of the world's last step.
     fn find_works(&mut self, k: usize, done: &WorldReport, forces: &impl StepForces) {
-        let (of_contact, of_forces) = self.works[k].split_at_mut(OF_CONTACT);
-        of_contact[0] = -done.friction_energy;
-        of_contact[1] = -done.impact_energy;
-        of_contact[2] = done.lifting_energy;
-        of_forces.fill(0.0);
+        let works = &mut self.works[k];
+        works.clear();
+        works.extend([-done.friction_energy, -done.impact_energy, done.work, done.lifting_energy]);
+        works.push(-done.joint_friction_energy);
+        works.push(done.joint_friction_energy - done.joint_energy);
+        works.resize(self.acting, 0.0);
+        let (rows, impulses) = self.world.joint_rows();
+        let equalities = rows.blocks().filter(|(law, _)| *law == RowLaw::Equality);
+        works.extend(equalities.filter_map(|(_, block)| impulses.get(block.start)));
+        let of_forces = &mut works[OF_CONTACT..self.acting];
         if of_forces.is_empty() {
             return;
         }
@@ -404,9 +456,9 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
     /// Takes the step that was tried.
     fn accept(
         &mut self,
-        h: f64,
-        end: f64,
+        (h, end): (f64, f64),
         tried: &Tried,
+        joints: &impl JointRows,
         report: &mut ErrorControlledReport,
     ) -> Result<(), ContactError> {
         let smooth = tried.within == Within::Smooth;
@@ -430,6 +482,8 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             }
             self.now.p.add_scaled(1.0, self.halves.p.view());
             self.now.p.add_scaled(-1.0, self.whole.p.view());
+            // By fourth order in the step: no work to tell.
+            report.settled &= self.world.close_joints(&mut self.now, joints)?;
         }
         report.steps += 1;
         report.shortest = report.shortest.min(h);

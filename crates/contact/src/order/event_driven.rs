@@ -16,7 +16,8 @@
 //! times its impulse. What a flight's force does inside of it is bounded by its values at both ends (`flight.rs`).
 //!
 //! Each step may take [`EVENTS`] events; what has more of them, as many bodies that keep hitting each other, is
-//! for a world's own steps. There are no joints and no moving obstacles. Source: notes 11.4 (at the instant);
+//! for a world's own steps. Forces beside the potential's act in flights and in contact steps, of which each ends at
+//! their next corner; obstacles move as they are told. There are no joints. Source: notes 11.4 (at the instant);
 //! Mirtich and Canny 1995 (flight between impacts found conservatively).
 
 use stationary_calculus::{Metric, Potential, SizeError, Vector};
@@ -28,9 +29,10 @@ use crate::impact::rounds::ImpactRounds;
 use crate::impact::touching::Touching;
 use crate::order::event::{Event, EventKind};
 use crate::order::flight::{Flies, Flight, FlightOrder};
+use crate::order::flight_forces::FlightForces;
 use crate::order::free_time::FreeTimeSearch;
 use crate::order::pieces::{Motion, Pieces, between};
-use crate::{BodiesIn, ContactError, DetectorIn, ImpactLaw, InverseMass, Touch, World};
+use crate::{BodiesIn, ContactError, DetectorIn, Dimension, ImpactLaw, InverseMass, Touch, World};
 
 /// Gaps up to this part of the largest coordinate or radius count as touching.
 pub const SKIN: f64 = 1e-11;
@@ -65,6 +67,8 @@ pub struct EventDrivenReport {
     pub solves: usize,
     /// The kinetic energy that impacts took, those within contact steps too, J.
     pub impact_energy: f64,
+    /// The work that obstacles did, J.
+    pub work: f64,
     /// The energies that friction took in contact steps, and that lifting out of overlap gave, J: those of
     /// [`WorldReport`](crate::WorldReport).
     pub friction_energy: f64,
@@ -88,6 +92,12 @@ pub struct EventDriven<G: Flies, P> {
     search: FreeTimeSearch<G>,
     touching: Touching<G>,
     no_joints: VelocityRows,
+    obstacles: Vec<usize>,
+    /// Of each thing that acts, in the last step, in its last flight and in a contact step.
+    works: Vec<f64>,
+    flown: Vec<f64>,
+    mean: Vector<Vec<f64>>,
+    before: State<Vec<f64>>,
     /// What the world remembered before its first step of this one.
     saved: Saved,
     pieces: Pieces,
@@ -135,6 +145,11 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             search: FreeTimeSearch::default(),
             touching: Touching::default(),
             no_joints: VelocityRows::default(),
+            obstacles: Vec::new(),
+            works: Vec::new(),
+            flown: Vec::new(),
+            mean: Vector(vec![0.0; n]),
+            before: State::default(),
             saved: Saved::default(),
             pieces: Pieces::default(),
             events: Vec::new(),
@@ -150,6 +165,18 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     /// The same with another impact law.
     pub fn with_law(self, law: ImpactLaw) -> Self {
         EventDriven { world: self.world.with_law(law), law, ..self }
+    }
+
+    /// The same with these bodies as moving obstacles, which nothing slows down.
+    ///
+    /// # Errors
+    /// [`ContactError::Size`] where an obstacle is no body.
+    pub fn with_obstacles(mut self, obstacles: Vec<usize>) -> Result<Self, ContactError> {
+        self.world = self.world.with_obstacles(obstacles.clone())?;
+        let f = G::FREEDOMS;
+        self.mass = self.mass.holding(obstacles.iter().flat_map(|&body| f * body..f * body + f));
+        self.obstacles = obstacles;
+        Ok(self)
     }
 
     /// The system.
@@ -173,12 +200,29 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         &self.pushes
     }
 
+    /// The works of each thing that acts in the last step that was taken, J.
+    pub fn works(&self) -> &[f64] {
+        &self.works
+    }
+
     /// The state at a time of the last step that was taken: of the order of its flights, and straight between
     /// the ends of contact steps. At an instant of impact the state after it.
     ///
     /// # Errors
     /// [`ContactError::Step`] for a time outside of that step; those of flight.
     pub fn state_at(&mut self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
+        self.state_under(t, &mut ())
+    }
+
+    /// The same of a step under these forces.
+    ///
+    /// # Errors
+    /// Those of [`EventDriven::state_at`].
+    pub fn state_under(
+        &mut self,
+        t: f64,
+        forces: &mut impl FlightForces,
+    ) -> Result<State<Vec<f64>>, ContactError> {
         let outside = StepError::Time(t);
         let piece = self.pieces.at(t).ok_or(outside)?;
         if piece.motion != Motion::Flight {
@@ -186,7 +230,8 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         }
         let start = piece.start;
         let mut state = State::default();
-        self.flight.fly::<G, P>(self.world.system(), start, t - start.t, &mut state)?;
+        let system = self.world.system();
+        self.flight.fly::<G, P>(system, start, t - start.t, forces, &mut state)?;
         Ok(state)
     }
 
@@ -226,6 +271,19 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         state: &mut State<Vec<f64>>,
         h: f64,
     ) -> Result<EventDrivenReport, ContactError> {
+        self.step_under(state, h, &mut ())
+    }
+
+    /// The same under forces beside those of the potential.
+    ///
+    /// # Errors
+    /// Those of [`EventDriven::step`] and of [`World::step_under`].
+    pub fn step_under(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        h: f64,
+        forces: &mut impl FlightForces,
+    ) -> Result<EventDrivenReport, ContactError> {
         if !(h > 0.0 && h <= CONTACT_STEPS * self.contact_step) {
             return Err(StepError::Step(h).into());
         }
@@ -241,7 +299,10 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         self.events.clear();
         self.pushes.clear();
         self.flight.evaluations = 0;
-        match self.go(state.t + h, &mut stepped) {
+        self.works.clear();
+        self.works.resize(forces.works(), 0.0);
+        forces.place(&mut self.now);
+        match self.go(state.t + h, forces, &mut stepped) {
             Ok(report) => {
                 self.pieces.finish(&self.now);
                 state.clone_from(&self.now);
@@ -261,15 +322,21 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     }
 
     /// Moves `now` to a time; says whether the world took a step, before which what it remembered is saved.
-    fn go(&mut self, end: f64, stepped: &mut bool) -> Result<EventDrivenReport, ContactError> {
+    fn go(
+        &mut self,
+        end: f64,
+        forces: &mut impl FlightForces,
+        stepped: &mut bool,
+    ) -> Result<EventDrivenReport, ContactError> {
         let start = self.now.t;
         let mut report = EventDrivenReport { settled: true, ..EventDrivenReport::default() };
         while self.now.t < end {
             if self.events.len() > EVENTS {
                 return Err(ContactError::TooManyImpacts { bound: EVENTS, time: start });
             }
-            let choice = match self.touch(&mut report)? {
-                Choice::Fly => self.fly(end, &mut report)?,
+            let goal = forces.next_corner(self.now.t).map_or(end, |corner| corner.min(end));
+            let choice = match self.touch(forces, &mut report)? {
+                Choice::Fly => self.fly(goal, forces, &mut report)?,
                 choice => choice,
             };
             if let Choice::Stay = choice {
@@ -277,7 +344,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
                     *stepped = true;
                     self.world.save_into(&mut self.saved);
                 }
-                self.contact_step(end, &mut report)?;
+                self.contact_step(goal, forces, &mut report)?;
             }
         }
         self.now.t = end;
@@ -286,22 +353,31 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     }
 
     /// Flies until something touches, at most to a time; stays where it touches at once.
-    fn fly(&mut self, end: f64, report: &mut EventDrivenReport) -> Result<Choice, ContactError> {
+    fn fly(
+        &mut self,
+        end: f64,
+        forces: &mut impl FlightForces,
+        report: &mut EventDrivenReport,
+    ) -> Result<Choice, ContactError> {
         let (skin, left) = (self.skin(), end - self.now.t);
         let system = self.world.system();
-        self.flight.fly::<G, P>(system, &self.now, left, &mut self.next)?;
+        self.flight.fly::<G, P>(system, &self.now, left, forces, &mut self.next)?;
         self.next.t = end;
+        keep_flown(forces, &mut self.flown);
         let (system, detector) = self.world.system_and_detector();
         let ends = [&self.now, &self.next];
-        let free = self.search.free_time::<P>(&mut self.flight, system, detector, ends, skin)?;
+        let flight = &mut self.flight;
+        let free = self.search.free_time::<P>(flight, system, detector, ends, forces, skin)?;
         report.queries += free.queries;
         if free.touches {
             if free.time <= 0.0 || self.now.t + free.time <= self.now.t {
                 return Ok(Choice::Stay);
             }
             let system = self.world.system();
-            self.flight.fly::<G, P>(system, &self.now, free.time, &mut self.next)?;
+            self.flight.fly::<G, P>(system, &self.now, free.time, forces, &mut self.next)?;
+            keep_flown(forces, &mut self.flown);
         }
+        self.works.iter_mut().zip(&self.flown).for_each(|(work, flown)| *work += flown);
         if self.touches {
             self.touches = false;
             self.note(EventKind::ContactEnds, [None; 2], 0.0);
@@ -313,7 +389,11 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     }
 
     /// Gives what touches its impacts; says whether all that touches leaves.
-    fn touch(&mut self, report: &mut EventDrivenReport) -> Result<Choice, ContactError> {
+    fn touch(
+        &mut self,
+        forces: &mut impl FlightForces,
+        report: &mut EventDrivenReport,
+    ) -> Result<Choice, ContactError> {
         let skin = self.skin();
         let contacts = self.world.detector().detect(&self.now.q, 2.0 * skin)?;
         report.detections += 1;
@@ -322,12 +402,15 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         }
         // What touches has no gap.
         self.touching.fill(contacts, &self.now.q, |_| 0.0);
+        forces.prepare(&mut self.now, self.contact_step);
+        forces.place(&mut self.now);
         let system = self.world.system();
         system.metric().sharp(self.now.p.view(), self.v.view_mut());
         self.flight.find_increment::<G, P>(
             system,
-            &self.now.q,
+            (&self.now, &self.v),
             self.contact_step,
+            (&*forces, &self.mass),
             &mut self.increment,
         );
         let Touching { contacts, rows, across, gap, friction, restitution } = &self.touching;
@@ -353,7 +436,12 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             check_finite("the velocity after an impact", &self.v.0)?;
             let before = system.metric().kinetic_energy(self.now.p.view());
             system.metric().flat(self.v.view(), self.now.p.view_mut());
-            let energy = before - system.metric().kinetic_energy(self.now.p.view());
+            let mut energy = before - system.metric().kinetic_energy(self.now.p.view());
+            for touch in self.touching.pushed(&given).filter(|_| !self.obstacles.is_empty()) {
+                let work = work_of_obstacles::<G>(&touch, &self.obstacles, &self.v.0);
+                report.work += work;
+                energy += work;
+            }
             report.impact_energy += energy;
             let pushed = |&(_, a): &(usize, f64), &(_, b): &(usize, f64)| a.total_cmp(&b);
             let hardest = given.normal.iter().copied().enumerate().max_by(|a, b| pushed(a, b));
@@ -378,6 +466,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
     fn contact_step(
         &mut self,
         end: f64,
+        forces: &mut impl FlightForces,
         report: &mut EventDrivenReport,
     ) -> Result<(), ContactError> {
         if !self.touches {
@@ -392,15 +481,26 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             steps if steps < 2.0 => 0.5 * left,
             _ => self.contact_step,
         };
-        let done = self.world.step(&mut self.now, h)?;
+        forces.prepare(&mut self.now, h);
+        self.before.clone_from(&self.now);
+        let done = self.world.step_under(&mut self.now, h, &(), &*forces)?;
         if h == left {
             self.now.t = end;
         }
+        if !self.works.is_empty() {
+            let [before, after] = self.world.velocities();
+            self.mean.copy_from(before);
+            self.mean.add_scaled(1.0, after);
+            self.mean.0.iter_mut().for_each(|v| *v *= 0.5);
+            forces.add_works([&self.before, &self.now], self.mean.view(), &mut self.works);
+        }
+        forces.place(&mut self.now);
         report.contact_steps += 1;
         report.contact_time += h;
         report.detections += 1;
         report.impacts += usize::from(done.impacts > 0);
         report.impact_energy += done.impact_energy;
+        report.work += done.work;
         report.friction_energy += done.friction_energy;
         report.lifting_energy += done.lifting_energy;
         let pushed = self.world.touches().map(|touch| (self.now.t, touch));
@@ -425,4 +525,22 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         let detector = self.world.detector();
         (0..bodies).map(|body| detector.radius_of(body)).fold(far, f64::max) * SKIN
     }
+}
+
+/// Keeps the works of the flight that was flown last.
+fn keep_flown(forces: &impl FlightForces, flown: &mut Vec<f64>) {
+    flown.clear();
+    flown.resize(forces.works(), 0.0);
+    forces.add_flown_works(flown);
+}
+
+/// The work that obstacles, which do not turn, do by an impulse at velocities.
+fn work_of_obstacles<G: Dimension>(touch: &Touch<G>, obstacles: &[usize], v: &[f64]) -> f64 {
+    let whole = touch.contact.normal * (touch.impact + touch.normal) + touch.friction;
+    let of_side = |(body, sign): (Option<usize>, f64)| {
+        let body = body.filter(|body| obstacles.contains(body))?;
+        let own = &v[G::FREEDOMS * body..][..G::TRANSLATION];
+        Some(sign * own.iter().enumerate().map(|(k, v)| v * whole[k]).sum::<f64>())
+    };
+    touch.contact.bodies.into_iter().zip([1.0, -1.0]).filter_map(of_side).sum()
 }

@@ -1,12 +1,12 @@
 //! Flight of rigid bodies without contact, of order 2 or 4 at any length.
 //!
 //! ```text
-//! F2(s) = kick s/2, drift s, kick s/2          p -= s/2 dV,   drift: centres straight, free rotation in closed form
+//! F2(s) = kick s/2, drift s, kick s/2        p += s/2 (F - dV), drift: centres straight, free rotation in closed form
 //! F4(s) = F2(a s) F2(a s) F2((1 - 4a) s) F2(a s) F2(a s),   a = 1/(4 - 4^(1/3))
 //! ```
-//! `s` seconds, `dV` the differential of the potential. Both are explicit, symmetric and symplectic, and exact
-//! without forces, energy included; a flight is the same function of `s` for its end and for any moment on the
-//! way. Where forces are uniform and make no torque `F2` is exact too.
+//! `s` seconds, `dV` the differential of the potential, `F` other forces (see `flight_forces.rs`). Both are explicit
+//! and symmetric, without `F` symplectic, and exact without forces, energy included; a flight is the same function of
+//! `s` for its end and for any moment on the way. Where forces are uniform and make no torque `F2` is exact too.
 //!
 //! Between two moments a body is followed along the chord, the straight path with one rotation between both
 //! poses ([`RigidPathIn`]). With `A` and `B` bounds on the acceleration of the centre (m/s^2) and on that of
@@ -14,14 +14,16 @@
 //! ```text
 //! e = d^2/8 (A + rho B),   doubled: the bounds are measured where the flight starts and ends
 //! ```
-//! while it turns by at most a radian. A force that varies more than twofold inside of a flight is not
-//! bounded by that. Source: notes 9.5; Suzuki 1990 (the five stages); Celledoni et al. 2008 (free rotation).
+//! while it turns by at most a radian. A force that varies more than twofold with the place or the velocity inside of a
+//! flight is not bounded by that; what varies in time is bounded over all of it. Source: notes 9.5; Suzuki 1990 (the
+//! five stages); Celledoni et al. 2008 (free rotation).
 
 use stationary_calculus::{Covector, Metric, Potential, Vector};
 use stationary_integrators::State;
 
 use crate::error::check_finite;
-use crate::{BodiesIn, ContactError, Dimension, RigidPathIn};
+use crate::order::flight_forces::{FlightForces, StageEnd};
+use crate::{BodiesIn, ContactError, Dimension, InverseMass, RigidPathIn};
 
 /// The order of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -139,6 +141,8 @@ pub(crate) struct Flight {
     rates: Vector<Vec<f64>>,
     /// Of each body: acceleration of the centre, of the rotation, and how fast it turns.
     bounds: Vec<[f64; 3]>,
+    /// The first two of forces beside the potential's.
+    of_forces: Vec<[f64; 2]>,
     /// Differentials of the potential so far.
     pub(crate) evaluations: usize,
 }
@@ -150,6 +154,7 @@ impl Flight {
             dv: Covector(vec![0.0; freedoms]),
             rates: Vector(vec![0.0; freedoms]),
             bounds: vec![[0.0; 3]; bodies],
+            of_forces: vec![[0.0; 2]; bodies],
             evaluations: 0,
         }
     }
@@ -160,18 +165,28 @@ impl Flight {
         system: &BodiesIn<G, P>,
         from: &State<Vec<f64>>,
         s: f64,
+        forces: &mut impl FlightForces,
         to: &mut State<Vec<f64>>,
     ) -> Result<(), ContactError> {
         to.clone_from(from);
-        to.t = from.t + s;
+        forces.begin_flight();
         if s == 0.0 {
             return Ok(());
         }
+        let mut flown = 0.0;
         for part in self.order.stages() {
-            self.kick::<G, P>(system, 0.5 * part * s, to);
-            G::drift(system.metric(), &mut to.q, &mut to.p.0, &mut self.rates.0, part * s)?;
-            self.kick::<G, P>(system, 0.5 * part * s, to);
+            let (t, h) = (from.t + flown * s, part * s);
+            flown += part;
+            to.t = t;
+            self.kick::<G, P>(system, 0.5 * h, to);
+            forces.kick(StageEnd::Start, (t, h), to);
+            G::drift(system.metric(), &mut to.q, &mut to.p.0, &mut self.rates.0, h)?;
+            to.t = t + h;
+            forces.kick(StageEnd::Finish, (t, h), to);
+            self.kick::<G, P>(system, 0.5 * h, to);
         }
+        to.t = from.t + s;
+        forces.place(to);
         check_finite("the configuration in flight", &to.q)?;
         check_finite("the momentum in flight", &to.p.0)
     }
@@ -192,16 +207,21 @@ impl Flight {
         self.evaluations += 1;
     }
 
-    /// Writes the velocity that the potential gives in `h` seconds.
+    /// Writes the velocity that the potential and forces at a velocity give in `h` seconds; none of what is held.
     pub(crate) fn find_increment<G: Flies, P: Potential>(
         &mut self,
         system: &BodiesIn<G, P>,
-        q: &[f64],
+        (state, v): (&State<Vec<f64>>, &Vector<Vec<f64>>),
         h: f64,
+        (forces, mass): (&impl FlightForces, &InverseMass),
         increment: &mut Vector<Vec<f64>>,
     ) {
-        self.find_differential::<G, P>(system, q);
-        self.dv.0.iter_mut().for_each(|dv| *dv *= -h);
+        self.find_differential::<G, P>(system, &state.q);
+        self.dv.0.iter_mut().for_each(|dv| *dv = -*dv);
+        forces.add_force(state.t, &state.q, v.view(), self.dv.view_mut());
+        for (freedom, force) in self.dv.0.iter_mut().enumerate() {
+            *force *= if mass.is_held(freedom) { 0.0 } else { h };
+        }
         system.metric().sharp(self.dv.view(), increment.view_mut());
     }
 
@@ -210,25 +230,41 @@ impl Flight {
         &mut self,
         system: &BodiesIn<G, P>,
         ends: [&State<Vec<f64>>; 2],
+        forces: &impl FlightForces,
     ) {
         let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let parts = |rates: &[f64], body: usize| {
+            let (linear, turning) =
+                rates[G::FREEDOMS * body..][..G::FREEDOMS].split_at(G::TRANSLATION);
+            [length(linear), length(turning)]
+        };
+        let between = (ends[0].t, ends[1].t);
         self.bounds.fill([0.0; 3]);
+        self.of_forces.fill([0.0; 2]);
         for end in ends {
             self.find_differential::<G, P>(system, &end.q);
             system.metric().sharp(self.dv.view(), self.rates.view_mut());
             for (body, bounds) in self.bounds.iter_mut().enumerate() {
-                let (linear, turning) =
-                    self.rates.0[G::FREEDOMS * body..][..G::FREEDOMS].split_at(G::TRANSLATION);
+                let [linear, turning] = parts(&self.rates.0, body);
                 let gyroscopic = G::gyroscopic(system.metric(), &end.p.0, body);
-                bounds[0] = bounds[0].max(GROWTH * length(linear));
-                bounds[1] = bounds[1].max(GROWTH * (length(turning) + gyroscopic));
+                bounds[0] = bounds[0].max(GROWTH * linear);
+                bounds[1] = bounds[1].max(GROWTH * (turning + gyroscopic));
             }
             system.metric().sharp(end.p.view(), self.rates.view_mut());
             for (body, bounds) in self.bounds.iter_mut().enumerate() {
-                let turning = &self.rates.0[G::FREEDOMS * body + G::TRANSLATION..];
-                let turning = &turning[..G::FREEDOMS - G::TRANSLATION];
-                bounds[2] = bounds[2].max(length(turning));
+                bounds[2] = bounds[2].max(parts(&self.rates.0, body)[1]);
             }
+            self.dv.0.fill(0.0);
+            forces.add_bounds(between, end, &mut self.dv.0);
+            system.metric().sharp(self.dv.view(), self.rates.view_mut());
+            for (body, bounds) in self.of_forces.iter_mut().enumerate() {
+                let own = parts(&self.rates.0, body);
+                bounds.iter_mut().zip(own).for_each(|(b, own)| *b = b.max(GROWTH * own));
+            }
+        }
+        for (bounds, [linear, turning]) in self.bounds.iter_mut().zip(&self.of_forces) {
+            bounds[0] += linear;
+            bounds[1] += turning;
         }
     }
 

@@ -14,6 +14,7 @@ use stationary_integrators::State;
 use stationary_rigid::LieGroup;
 
 use crate::order::flight::{Flies, Flight, chord};
+use crate::order::flight_forces::FlightForces;
 use crate::when::rigid_time_of_impact::{MeetRoom, Queries, Swept, leaves, meet};
 use crate::{BodiesIn, Closeness, ContactError, DetectorIn, Dimension, RigidPathIn};
 
@@ -58,10 +59,11 @@ impl<G: Flies> FreeTimeSearch<G> {
         system: &BodiesIn<G, P>,
         detector: &mut DetectorIn<G>,
         [start, end]: [&State<Vec<f64>>; 2],
+        forces: &mut impl FlightForces,
         skin: f64,
     ) -> Result<FreeTime, ContactError> {
         let most = end.t - start.t;
-        flight.find_bounds::<G, P>(system, [start, end]);
+        flight.find_bounds::<G, P>(system, [start, end], forces);
         self.find_pairs(flight, detector, [start, end], most, skin)?;
         let mut free = FreeTime { time: 0.0, touches: false, queries: 0 };
         if self.pairs.is_empty() {
@@ -76,7 +78,7 @@ impl<G: Flies> FreeTimeSearch<G> {
             if last {
                 self.to.clone_from(end);
             } else {
-                flight.fly::<G, P>(system, start, free.time + d, &mut self.to)?;
+                flight.fly::<G, P>(system, start, free.time + d, forces, &mut self.to)?;
             }
             let (part, off) = self.free_part(flight, detector, d, skin, &mut free.queries)?;
             match part {
@@ -93,7 +95,7 @@ impl<G: Flies> FreeTimeSearch<G> {
                         return Ok(FreeTime { touches: true, ..free });
                     }
                     if part > 0.0 {
-                        flight.fly::<G, P>(system, start, free.time, &mut self.from)?;
+                        flight.fly::<G, P>(system, start, free.time, forces, &mut self.from)?;
                     }
                     length = 0.25 * d;
                 }

@@ -1,4 +1,4 @@
-//! What contact and forces did in the steps that were taken, told of any interval.
+//! What contact, joints and forces did in the steps that were taken, told of any interval.
 //!
 //! ```text
 //! W = 2 (W_a + W_b) - W_w,    J = 2 (J_a + J_b) - J_w      where the step is extrapolated; else of its halves
@@ -6,12 +6,15 @@
 //! W(s) = W,                   J(s) = J                     of one in which something hits: that of its end
 //! ```
 //! `W` works, `J` impulses of contacts, `w` the whole step, `a` and `b` its halves; `W(1/2)` is `W_a` and half of
-//! what extrapolation adds. So at any time works and impulses are those of the momentum that is read there.
+//! what extrapolation adds. Impulses of joints are kept as works are; their forces are `dW/ds` over the step's length
+//! where the step is extrapolated, else those of its halves. So at any time works and impulses are those of the
+//! momentum that is read there.
 
 use crate::{Dimension, Touch};
 
-/// The works of friction, of impacts and of lifting out of overlap, which stand before those of forces.
-pub(crate) const OF_CONTACT: usize = 3;
+/// The works of friction, impacts, obstacles, lifting with closing, dry friction of joints and joints themselves, which
+/// stand before those of forces.
+pub(crate) const OF_CONTACT: usize = 6;
 
 /// A step that was taken.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +22,7 @@ struct Entry {
     from: f64,
     to: f64,
     even: bool,
+    extrapolated: bool,
     /// Where its touches end.
     touches: usize,
 }
@@ -50,12 +54,11 @@ impl<G: Dimension> Default for Ledger<G> {
 }
 
 impl<G: Dimension> Ledger<G> {
-    /// Forgets all steps; the next have so many works.
-    pub(crate) fn clear(&mut self, width: usize) {
+    /// Forgets all steps.
+    pub(crate) fn clear(&mut self) {
         self.entries.clear();
         self.works.clear();
         self.touches.clear();
-        self.width = width;
     }
 
     /// Adds a step with the works of the whole one and of its halves, and what touched in the halves, extrapolated
@@ -67,11 +70,15 @@ impl<G: Dimension> Ledger<G> {
         [whole, first, second]: [&[f64]; 3],
         touches: impl Iterator<Item = Touch<G>>,
     ) {
+        if self.entries.is_empty() {
+            self.width = whole.len();
+        }
         let beyond = |k: usize| if extrapolated { first[k] + second[k] - whole[k] } else { 0.0 };
         self.works.extend((0..self.width).map(|k| first[k] + 0.5 * beyond(k)));
         self.works.extend((0..self.width).map(|k| first[k] + second[k] + beyond(k)));
         self.touches.extend(touches);
-        self.entries.push(Entry { from, to, even, touches: self.touches.len() });
+        let touches = self.touches.len();
+        self.entries.push(Entry { from, to, even, extrapolated, touches });
     }
 
     /// The steps that an interval meets.
@@ -92,6 +99,24 @@ impl<G: Dimension> Ledger<G> {
                 *work += (b - a) * (slope + curve * (a + b));
             }
         }
+    }
+
+    /// Writes how fast the works from a column on grow at a time, of a step that ends there if one does.
+    pub(crate) fn rates(&self, t: f64, first: usize, rates: &mut Vec<f64>) {
+        rates.clear();
+        let step = self.entries.partition_point(|entry| entry.to < t);
+        let Some(&Entry { from, to, extrapolated, .. }) = self.entries.get(step) else { return };
+        let (part, length) = (((t - from) / (to - from)).clamp(0.0, 1.0), to - from);
+        let (middle, end) =
+            self.works[2 * self.width * step..][..2 * self.width].split_at(self.width);
+        rates.extend(middle.iter().zip(end).skip(first).map(|(middle, end)| {
+            let rate = match extrapolated {
+                true => 4.0 * middle - end + 4.0 * part * (end - 2.0 * middle),
+                false if part <= 0.5 => 2.0 * middle,
+                false => 2.0 * (end - middle),
+            };
+            rate / length
+        }));
     }
 
     /// Shows what touched in an interval, with the part of its impulses that fell into it and the time of the last.

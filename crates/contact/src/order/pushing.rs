@@ -5,6 +5,7 @@
 //! ```
 
 use stationary_calculus::Potential;
+use stationary_constraints::RowLaw;
 
 use crate::{Dimension, World};
 
@@ -43,20 +44,24 @@ pub(super) struct Seen<G: Dimension> {
     pub(super) gap: f64,
     /// By how much what hits is early at most, m: it turns back before its gap is closed.
     pub(super) early: f64,
+    /// Which limits of joints push, and which way dry friction of joints slides: zero where it sticks.
+    limits: Vec<bool>,
+    slides: Vec<i8>,
 }
 
 impl<G: Dimension> Default for Seen<G> {
     fn default() -> Self {
-        Seen { pairs: Vec::new(), gap: 0.0, early: 0.0 }
+        Seen { pairs: Vec::new(), gap: 0.0, early: 0.0, limits: Vec::new(), slides: Vec::new() }
     }
 }
 
 impl<G: Dimension> Seen<G> {
-    /// Looks at the last step of a world.
-    pub(super) fn look<P: Potential>(&mut self, world: &World<G, P>) {
-        let Seen { pairs, gap, early } = self;
+    /// Looks at the last step of a world, of `h` seconds.
+    pub(super) fn look<P: Potential>(&mut self, world: &World<G, P>, h: f64) {
+        self.look_at_joints(world, h);
+        let Seen { pairs, gap, early, .. } = self;
         pairs.clear();
-        (*gap, *early) = (0.0, 0.0);
+        *early = 0.0;
         for touch in world.touches().filter(|touch| touch.impact > 0.0) {
             *early = early.max((1.0 + touch.contact.restitution) * touch.contact.gap);
         }
@@ -81,19 +86,46 @@ impl<G: Dimension> Seen<G> {
         }
     }
 
+    /// Looks at what of joints pushes one way only, or slides.
+    fn look_at_joints<P: Potential>(&mut self, world: &World<G, P>, h: f64) {
+        let Seen { gap, limits, slides, .. } = self;
+        limits.clear();
+        slides.clear();
+        *gap = 0.0;
+        let (rows, impulses) = world.joint_rows();
+        for (law, block) in rows.blocks() {
+            let x = impulses.get(block.start).copied().unwrap_or(0.0);
+            match law {
+                RowLaw::Limit => {
+                    limits.push(x > 0.0);
+                    if x > 0.0 {
+                        // A limit asks for the velocity that closes what is left of it.
+                        *gap = gap.max(-h * rows.asked(block.start));
+                    }
+                }
+                RowLaw::Bounded(bound) => {
+                    let slips = x.abs() >= SLIDES * bound;
+                    slides.push(if slips { x.signum() as i8 } else { 0 });
+                }
+                RowLaw::Equality | RowLaw::Cone(_) => {}
+            }
+        }
+    }
+
     /// Whether what pushes closes a gap of more than `least` (m).
     pub(super) fn closes(&self, least: f64) -> bool {
         self.gap > least
     }
 
-    /// Whether the same surfaces push.
+    /// Whether the same surfaces and limits push.
     pub(super) fn pushes_as(&self, other: &Self) -> bool {
         let colliders = |pair: &Pushing<G>| pair.colliders;
-        self.pairs.iter().map(colliders).eq(other.pairs.iter().map(colliders))
+        let same = self.pairs.iter().map(colliders).eq(other.pairs.iter().map(colliders));
+        same && self.limits.iter().eq(&other.limits)
     }
 
     /// Whether these stick or slide the same way.
     pub(super) fn rubs_as(&self, other: &Self) -> bool {
-        self.pairs.iter().zip(&other.pairs).all(|(a, b)| a.same(b))
+        self.slides == other.slides && self.pairs.iter().zip(&other.pairs).all(|(a, b)| a.same(b))
     }
 }

@@ -4,10 +4,11 @@
 //! rows of joints, cones of contacts          velocities                       see `solve_rows`
 //! J d = 0,   dg d + .. >= 0                  lifting, which keeps joints closed
 //! J d = -g,  dg d >= -(what is left of gaps) closing joints after the step
+//! J' v = -dg/dt                              velocities where the step ends, as chosen steps want them
 //! ```
 //! Energy that joints take is paid at the mean of the velocities before and after, as that of contacts.
 
-use stationary_calculus::{Potential, Space, Vector};
+use stationary_calculus::{Metric, Potential, Space, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
 use stationary_integrators::State;
 
@@ -170,6 +171,68 @@ impl<G: Dimension, P: Potential> World<G, P> {
             self.memory.lift.add_scaled(part, motion.view());
         }
         Ok(())
+    }
+
+    /// Turns the velocities of a state that the last step led to into those that joints ask for there, just before its
+    /// time: the step itself asks where it starts. The report and the impulses of the step tell what that took.
+    pub(crate) fn settle_joints(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        from: &impl JointRows,
+        report: &mut WorldReport,
+    ) -> Result<(), ContactError> {
+        if self.memory.joints.rows() == 0 {
+            return Ok(());
+        }
+        let mut all = VelocityRows::default();
+        // Of a speed that jumps at its end a step has the one before.
+        from.velocity_rows(state.t.next_down(), &state.q, 1.0, &mut all)?;
+        all.check(self.mass.dim())?;
+        let (mut rows, mut places) = (VelocityRows::default(), Vec::new());
+        for (law, block) in all.blocks().filter(|(law, _)| *law == RowLaw::Equality) {
+            let entries: Vec<_> = all.row(block.start).collect();
+            rows.push(law, &[(&entries, all.asked(block.start))])?;
+            places.push(block.start);
+        }
+        if places.is_empty() {
+            return Ok(());
+        }
+        let Memory { start: v, joint_impulses, .. } = &mut self.memory;
+        self.system.metric().sharp(state.p.view(), v.view_mut());
+        let rate = |row: usize, v: &[f64]| rows.row(row).map(|(f, x)| x * v[f]).sum::<f64>();
+        let before: Vec<f64> = (0..places.len()).map(|row| rate(row, &v.0)).collect();
+        let largest = before.iter().zip(0..).fold(0.0, |largest: f64, (before, row)| {
+            largest.max(before.abs()).max(rows.asked(row).abs())
+        });
+        let mut x = vec![0.0; places.len()];
+        let enough = (ROUNDING * largest).max(CLOSED);
+        let done = solve_rows(&rows, &mut &self.mass, enough, &mut x, v.view_mut())?;
+        report.settled &= done.settled;
+        for ((row, &place), (x, before)) in places.iter().enumerate().zip(x.iter().zip(before)) {
+            report.joint_energy -= 0.5 * x * (before + rate(row, &v.0));
+            if let Some(impulse) = joint_impulses.get_mut(place) {
+                *impulse += x;
+            }
+        }
+        self.system.metric().flat(v.view(), state.p.view_mut());
+        Ok(())
+    }
+
+    /// Closes the joints of a state near the end of the last step, positions and velocities; whether they close.
+    pub(crate) fn close_joints(
+        &mut self,
+        state: &mut State<Vec<f64>>,
+        joints: &impl JointRows,
+    ) -> Result<bool, ContactError> {
+        if self.memory.joints.rows() == 0 {
+            return Ok(true);
+        }
+        std::mem::swap(&mut self.memory.next, state);
+        let closed = self.close(joints);
+        std::mem::swap(&mut self.memory.next, state);
+        let mut report = WorldReport { settled: closed?.done, ..WorldReport::default() };
+        self.settle_joints(state, joints, &mut report)?;
+        Ok(report.settled)
     }
 
     /// Closes the joints of the state that is written, by moving bodies, as far as they let themselves.

@@ -3,12 +3,12 @@
 //! ```text
 //! y = (q, p),      q' = M^-1 p,      p' = -dV(q) + F(t, q, M^-1 p)
 //!
-//! df/dy = [  0      M^-1    ]
-//!         [ -d2V   -C M^-1  ]
+//! df/dy = [  0          M^-1    ]
+//!         [ -d2V - K   -C M^-1  ]
 //! ```
 //! `q` the configuration (n), `p` the momentum (n), `M` the metric, `V` the potential in joules,
-//! `F` a force with damping `C = -dF/dv` (n x n). On flat spaces only. dF/dq is left out of the
-//! Jacobian, which costs implicit methods iterations, not correctness.
+//! `F` a force with stiffness `K = -dF/dq` and damping `C = -dF/dv` (n x n), their symmetric parts: what
+//! they leave out costs implicit methods iterations, not correctness. On flat spaces only.
 
 use stationary_calculus::{
     Covector, FIXED, Force, Metric, Potential, ProductSink, Sink, SizeError, System, Vector,
@@ -79,7 +79,9 @@ impl<M: Metric, P: Potential, F: Force> VectorField for MechanicalField<'_, M, P
             }
         }
         v.fill(0.0);
-        self.system.potential().add_hessian(q, &mut LowerBlock { n, columns });
+        let mut lower = LowerBlock { n, columns };
+        self.system.potential().add_hessian(q, &mut lower);
+        self.force.add_stiffness(t, q, &mut lower);
         Jacobian::Written
     }
 }

@@ -38,6 +38,9 @@ pub enum JointFault {
     /// Two ends on one body, or on the world.
     #[error("it holds a body, or the world, to itself; its ends must be on different bodies")]
     ToItself,
+    /// An end that moves by itself is one in the world.
+    #[error("none of its ends is in the world; an end that moves along a path must be")]
+    NoEndInWorld,
     /// An axis has a direction.
     #[error("axis {0:?} has no direction; it must be finite and not zero")]
     NoAxis([f64; 3]),

@@ -99,7 +99,10 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
         }
         match loops {
             None => motion.forward_dynamics(forces, accelerations),
-            Some(loops) => loops.forward_dynamics(motion, forces, accelerations),
+            Some(loops) => {
+                loops.set_time(t);
+                loops.forward_dynamics(motion, forces, accelerations)
+            }
         }?;
         for (force, drive) in holding.iter_mut().zip(&self.schedules) {
             *force = std::mem::replace(&mut accelerations[drive.speed], drive.motion(t)[2]);
@@ -129,6 +132,16 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeField<D> {
         SizeError::check("the loops' forces", multipliers.len(), forces.len())?;
         forces.copy_from_slice(multipliers);
         Ok(())
+    }
+
+    /// The power (W) of ends of loops in the world that move, at a time and a state.
+    ///
+    /// # Errors
+    /// A state without a finite acceleration.
+    pub fn power_of_ends(&self, t: f64, y: &[f64]) -> Result<f64, TreeError> {
+        self.look(t, y)?;
+        let room = self.room.borrow();
+        room.loops.as_ref().map_or(Ok(0.0), |loops| loops.power_of_ends(&room.motion))
     }
 
     /// Accelerates at a time and a state, for what holds it there.

@@ -17,9 +17,13 @@
 //! line brings a state back along the shortest way in the metric. Call it after a step, or as often
 //! as the drift matters. Source: Featherstone 2008, 8; notes 6.3, 6.4.
 
+mod path;
 mod rank;
 mod row;
 
+use std::rc::Rc;
+
+use nalgebra::Vector3;
 use stationary_calculus::{DenseLu, SizeError};
 
 use super::builder::Tree;
@@ -29,6 +33,7 @@ use super::motion::TreeMotion;
 use super::spatial::Twist;
 use crate::joint::Row;
 use crate::{JointEnd, JointFault, JointKind, JointName};
+use path::{EndNow, EndPath};
 pub(super) use rank::Rank;
 pub(super) use row::LoopRow;
 
@@ -39,6 +44,8 @@ pub struct TreeLoops {
     pub(super) rows: Vec<LoopRow>,
     /// Rows that others hold.
     aside: Vec<LoopRow>,
+    /// How ends in the world move.
+    paths: Vec<EndPath>,
     /// `M^-1 J^T`, row after row.
     responses: Vec<f64>,
     matrix: DenseLu,
@@ -73,6 +80,7 @@ impl TreeLoops {
             bodies: tree.bodies(),
             rows: Vec::new(),
             aside: Vec::new(),
+            paths: Vec::new(),
             responses: Vec::new(),
             matrix: DenseLu::new(0),
             rank: Rank::default(),
@@ -93,6 +101,36 @@ impl TreeLoops {
         kind: JointKind,
         ends: [JointEnd; 2],
     ) -> Result<(), TreeError> {
+        self.join_led(tree, kind, ends, None)
+    }
+
+    /// The same where the end in the world moves along a path, as a function of time (s): how far it is from where the
+    /// joint has it (m), its velocity and its acceleration, world axes. [`TreeLoops::set_time`] takes it there.
+    ///
+    /// # Errors
+    /// [`TreeError::Loop`] as of [`TreeLoops::join`], also where no end is in the world.
+    pub fn join_moving(
+        &mut self,
+        tree: &Tree,
+        kind: JointKind,
+        ends: [JointEnd; 2],
+        path: impl Fn(f64) -> [Vector3<f64>; 3] + 'static,
+    ) -> Result<(), TreeError> {
+        if ends.iter().all(|end| end.body.is_some()) {
+            let joint = JointName { kind: kind.name(), bodies: ends.map(|end| end.body) };
+            return Err(TreeError::Loop { joint, fault: JointFault::NoEndInWorld });
+        }
+        self.join_led(tree, kind, ends, Some(EndPath(Rc::new(path))))
+    }
+
+    /// A joint whose end in the world moves along a path, where there is one.
+    fn join_led(
+        &mut self,
+        tree: &Tree,
+        kind: JointKind,
+        ends: [JointEnd; 2],
+        path: Option<EndPath>,
+    ) -> Result<(), TreeError> {
         self.check_tree(tree)?;
         let joint = JointName { kind: kind.name(), bodies: ends.map(|end| end.body) };
         let fault = |fault| TreeError::Loop { joint, fault };
@@ -101,9 +139,37 @@ impl TreeLoops {
             return Err(fault(JointFault::ToItself));
         }
         let kind = kind.checked().map_err(fault)?;
-        self.rows.extend(Row::all(&kind, &ends).into_iter().map(|row| LoopRow { ends, row }));
+        let now = path.as_ref().map_or(EndNow::still(), |path| path.at(0.0));
+        let number = path.as_ref().map(|_| self.paths.len());
+        let row = |row| LoopRow { ends, row, path: number, now };
+        self.rows.extend(Row::all(&kind, &ends).into_iter().map(row));
+        self.paths.extend(path);
         self.resize();
         Ok(())
+    }
+
+    /// Takes ends in the world that move to where they are at a time: zero where nothing is said.
+    pub fn set_time(&mut self, t: f64) {
+        let TreeLoops { rows, aside, paths, .. } = self;
+        if paths.is_empty() {
+            return;
+        }
+        for row in rows.iter_mut().chain(aside) {
+            if let Some(path) = row.path.and_then(|path| paths.get(path)) {
+                row.now = path.at(t);
+            }
+        }
+    }
+
+    /// The power (W) of ends in the world that move, with the multipliers of the last
+    /// [`TreeLoops::forward_dynamics`].
+    ///
+    /// # Errors
+    /// A motion of another tree.
+    pub fn power_of_ends(&self, motion: &TreeMotion) -> Result<f64, TreeError> {
+        self.check(motion)?;
+        let powers = self.rows.iter().zip(&self.multipliers);
+        Ok(powers.map(|(row, lambda)| -lambda * row.led(motion)).sum())
     }
 
     /// Sets the rows aside that the tree or earlier rows hold where the motion is placed: no step asks for them,

@@ -284,7 +284,7 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> TreeVariational<D> {
     fn seek(&mut self, state: &State<Vec<f64>>, h: f64) -> Result<(u32, f64), StepError> {
         let holds = self.held.rows() > 0;
         if holds {
-            self.held.place(&mut self.before)?;
+            self.held.place(&mut self.before, 0, state.t)?;
         }
         self.kick(state, h)?;
         let expected = self.guess(&state.q, (state.t, h), true)?;

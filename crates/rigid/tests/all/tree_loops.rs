@@ -201,3 +201,84 @@ fn a_rod_between_bodies_that_are_welded_or_share_its_end_is_refused_where_it_is_
         assert_eq!(dependent, welded, "{ratio}: {closed:?}");
     }
 }
+
+/// How far an end of a loop is from its place, with its velocity and its acceleration.
+fn path(t: f64) -> [Vector3<f64>; 3] {
+    let of = |size: f64, w: f64, phase: f64| {
+        let (sin, cos) = (w * t + phase).sin_cos();
+        [size * (sin - phase.sin()), size * w * cos, -size * w * w * sin]
+    };
+    let [x, y, z] = [of(0.2, 3.0, 0.4), of(0.15, 2.0, 1.1), of(-0.1, 4.0, -0.3)];
+    std::array::from_fn(|k| Vector3::new(x[k], y[k], z[k]))
+}
+
+/// If the row's speed, its acceleration or its power were wrong, it would open, or the energy would not be that
+/// power's.
+#[test]
+fn an_end_that_moves_along_a_path_leads_a_joint_of_every_kind() {
+    let axis = Vector3::new(0.2, 0.3, 0.9).normalize();
+    let other = Vector3::new(0.9, 0.0, -0.2).normalize();
+    let kinds = [
+        JointKind::Ball,
+        JointKind::Weld,
+        JointKind::Hinge { axis },
+        JointKind::Slider { axis },
+        JointKind::Cylinder { axis },
+        JointKind::Universal { axes: [axis, other] },
+        JointKind::Planar { axes: [axis, other] },
+        JointKind::OnLine { axis },
+        JointKind::Rod { length: 0.6 },
+    ];
+    for (number, kind) in kinds.into_iter().enumerate() {
+        let mut builder = TreeBuilder::default();
+        let body = Body::new(2.0, [0.3, 0.2, 0.25]).unwrap();
+        let first = builder.hang(None, JointKind::Free, [at(0.0), at(0.0)], body);
+        let tree = builder.build().unwrap();
+        let mut loops = TreeLoops::new(&tree);
+        let point = Vector3::new(0.1, -0.2, 0.15);
+        let apart = if matches!(kind, JointKind::Rod { .. }) {
+            Vector3::x() * 0.6
+        } else {
+            Vector3::zeros()
+        };
+        // Its world end first in some of them.
+        let mut ends = [JointEnd::world(point + apart), JointEnd::on(first, point)];
+        if number % 2 == 1 {
+            ends.reverse();
+        }
+        let within = ends.map(|end| JointEnd { body: Some(first), ..end });
+        assert!(matches!(
+            loops.join_moving(&tree, kind, within, path),
+            Err(TreeError::Loop { fault: JointFault::NoEndInWorld, .. })
+        ));
+        loops.join_moving(&tree, kind, ends, path).unwrap();
+        let mut motion = TreeMotion::new(tree.clone());
+        let (mut q, mut v) = (tree.rest(), vec![0.3, -0.2, 0.4, 0.5, -0.6, 0.7]);
+        loops.close(&mut motion, &mut q, &mut v).unwrap();
+        let energy = motion.kinetic_energy();
+        let none = TreeForces::none(&tree);
+        let field = || TreeField::new(tree.clone(), none.clone()).unwrap().closed(loops.clone());
+        let (look, tolerance) = (field(), Tolerance::new(1e-12, 1e-12).unwrap());
+        let begin = Moment::new(0.0, [q, v].concat());
+        let mut method = DormandPrince853::new(field(), tolerance.into(), begin).unwrap();
+        // Simpson's rule of its power.
+        let (steps, h, mut work) = (400, 0.8 / 400.0, 0.0);
+        for step in 0..=steps {
+            let t = h * f64::from(step);
+            while method.moment().t < t {
+                method.step(t).unwrap();
+            }
+            let weight =
+                if step == 0 || step == steps { 1.0 } else { f64::from(2 + 2 * (step % 2)) };
+            work += weight * h / 3.0 * look.power_of_ends(t, &method.moment().y).unwrap();
+        }
+        let y = &method.moment().y;
+        motion.place(&y[..7], &y[7..]).unwrap();
+        let mut there = loops.clone();
+        there.set_time(0.8);
+        let [gap, rate] = there.violation(&motion).unwrap();
+        assert!(gap < 1e-9 && rate < 1e-9, "{kind:?}: {gap} {rate}");
+        let gained = motion.kinetic_energy() - energy;
+        assert!((gained - work).abs() < 1e-8 && work.abs() > 1e-3, "{kind:?}: {gained} {work}");
+    }
+}

@@ -11,6 +11,8 @@
 //! second kick is the first one backward: order 2 along with any method of that order. Strengths are means
 //! over the step, so that no pulse is missed. Methods that take forces themselves ask for [`Force`].
 
+#[cfg(feature = "contact")]
+mod bounds;
 #[cfg(feature = "elasticity")]
 mod by_pins;
 mod frame;
@@ -113,6 +115,12 @@ impl Acting {
         Acting { width, ..self }
     }
 
+    /// The freedoms on which it acts.
+    #[cfg(feature = "contact")]
+    pub(crate) fn freedoms(&self) -> usize {
+        self.inverse.len()
+    }
+
     /// The works of what acts in the last step.
     pub(crate) fn works(&self) -> &[f64] {
         &self.works
@@ -209,6 +217,28 @@ impl Acting {
 
     /// Adds the power of each thing that acts along a velocity `u`, times `scale`, to the works.
     pub(crate) fn add_powers(&mut self, scale: f64, t: f64, q: &[f64], p: &[f64], u: &[f64]) {
+        self.add_along(scale, (t, q, p), u, |what, each| what.power_of_pins((t, q), each));
+    }
+
+    /// Adds half of the works that forces of one moment do in a step in which all moves by `u`, and pins as they do.
+    pub(crate) fn add_half_works(
+        &mut self,
+        (from, to): (f64, f64),
+        (t, q, p): (f64, &[f64], &[f64]),
+        u: &[f64],
+    ) {
+        let of_pins = |what: &What, each| what.work_of_pins((t, q), (from, to), each);
+        self.add_along(0.5, (t, q, p), u, of_pins);
+    }
+
+    /// Adds what each thing that acts does along `u`, times `scale`, to the works; what pins do is told.
+    fn add_along(
+        &mut self,
+        scale: f64,
+        (t, q, p): (f64, &[f64], &[f64]),
+        u: &[f64],
+        of_pins: impl Fn(&What, usize) -> Option<f64>,
+    ) {
         let half = 0.5 * self.width;
         let Acting { acts, inverse, each, dimension, works, .. } = self;
         for (act, work) in acts.iter().zip(works) {
@@ -222,7 +252,7 @@ impl Acting {
                     let rate = rate.now(t, q, *each);
                     -c * rate.of_momenta(p, inverse)[1] * rate.along(u)
                 }
-                _ => match act.what.power_of_pins((t, q), *each) {
+                _ => match of_pins(&act.what, *each) {
                     Some(power) => power,
                     None => {
                         let mut power = 0.0;
@@ -242,10 +272,12 @@ impl Acting {
         v.iter_mut().zip(p).zip(&self.inverse).for_each(|((v, p), inverse)| *v = p * inverse);
     }
 
-    /// Adds the impulses of a whole step, taken at its start; each drag and damper alone ends where it would
+    /// Adds the impulses of a whole step, taken at its start, of a state with or without bodies that nothing acts on
+    /// behind the scene's; each drag and damper alone ends where it would
     /// by implicit Euler, and a frame turns momenta as by itself.
     pub(crate) fn give(&self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
         given.dim = self.inverse.len();
+        let p = &p[..given.dim];
         for act in &self.acts {
             let scale = h * act.strength.mean(t, t + h);
             match act.what {
@@ -266,7 +298,7 @@ impl Acting {
                 }),
             }
             if let What::Frame(frame) = act.what {
-                for (k, seen) in frame.seen(q).enumerate() {
+                for (k, seen) in frame.seen(q).enumerate().take(p.len() / self.each) {
                     let own = self.each * k..self.each * (k + 1);
                     let mut turned = [0.0; 6];
                     let turned = &mut turned[..self.each];
@@ -326,7 +358,7 @@ impl What {
             What::Drag(_) | What::Damper(..) => {}
             // The part that does work; the other turns momenta.
             What::Frame(frame) => {
-                for (k, seen) in frame.seen(now.1).enumerate() {
+                for (k, seen) in frame.seen(now.1).enumerate().take(inverse.len() / each) {
                     let outward = frame.outward(&seen, &inverse[each * k..]);
                     (each * k..).zip(outward).take(each).for_each(|(freedom, f)| tell(freedom, f));
                 }
@@ -432,6 +464,17 @@ impl Force for Acting {
                 f.0[freedom] += strength * force;
             });
         }
+    }
+
+    /// That of energies that depend on pins; what else changes with the place does so slowly.
+    fn add_stiffness(&self, t: f64, q: &[f64], stiffness: &mut impl Sink) {
+        #[cfg(feature = "elasticity")]
+        for act in &self.acts {
+            if let What::ByPins(led) = &act.what {
+                led.add_hessian((t, q), self.each, stiffness);
+            }
+        }
+        let _ = (t, q, stiffness);
     }
 
     fn add_damping(&self, t: f64, q: &[f64], _: Vector<&[f64]>, damping: &mut impl Sink) {

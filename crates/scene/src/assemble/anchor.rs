@@ -6,6 +6,9 @@
 //! ```
 //! `c` the point in body axes, `Z` a quarter turn. A force `f` there acts on the freedoms by `f dx`.
 
+#[cfg(feature = "elasticity")]
+use stationary_calculus::Sink;
+
 use crate::assemble::vertices::Vertices;
 use crate::model::particle::{Motion, Particle};
 use crate::model::scene::Scene;
@@ -74,6 +77,20 @@ impl Anchor {
                 wrench.iter().take(each).enumerate().for_each(|(c, &f)| tell(each * body + c, f));
             }
         }
+    }
+}
+
+#[cfg(feature = "elasticity")]
+impl Anchor {
+    /// Adds a symmetric matrix of its place to one of the freedoms, where it is a particle of so many.
+    pub(crate) fn add_symmetric(&self, each: usize, of: [[f64; 3]; 3], to: &mut impl Sink) {
+        let Anchor::Particle(first) = *self else { return };
+        let mut block = [0.0; 9];
+        for (entry, k) in block.iter_mut().zip(0..each * each) {
+            *entry = of[k / each][k % each];
+        }
+        let freedoms = [first, first + 1, first + 2];
+        to.add_symmetric(&freedoms[..each], &block[..each * each]);
     }
 }
 

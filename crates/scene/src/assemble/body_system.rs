@@ -227,7 +227,7 @@ impl Scene {
 
     /// A rod, led by its pin where that moves; `each` the stored numbers and the freedoms of a body.
     fn led<J>(&self, held: J, rod: &Rod, each: [usize; 2]) -> Led<J> {
-        let pin = rod.ends.iter().find_map(|&end| self.drives.motion_of(end));
+        let pin = self.pin_of(rod);
         let body = rod.ends.iter().find_map(|&end| match self.particles[end].motion {
             Motion::Carried { body, .. } => Some(body),
             _ => None,

@@ -5,7 +5,8 @@
 //! p = sum J_b^T P_b,   v = M^-1 p         the speeds of joints, from the momenta of bodies
 //! ```
 //! `q v` coordinates and speeds of the joints, `P` momenta. Joints that close loops are rows beside the tree, and so
-//! are rods; motors with a speed are schedules of coordinates. In the plane every turn is about the third axis.
+//! are rods, whose pins may move; motors with a speed are schedules of coordinates. In the plane every turn is about
+//! the third axis.
 
 use nalgebra::Vector3;
 use stationary_calculus::Covector;
@@ -19,6 +20,7 @@ use crate::JointKind as SceneJointKind;
 use crate::assemble::body_system::{Turned, ends_in_space};
 use crate::assemble::error::AssemblyError;
 use crate::assemble::spanning_tree::{Hung, SpanningTree};
+use crate::model::drives::PinMotion;
 use crate::model::items::{RigidBody, SceneJoint};
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
@@ -40,6 +42,8 @@ pub(crate) struct JointTree {
     /// Motors with a speed, and their speeds along the coordinates.
     pub(crate) drives: Vec<TreeDrive>,
     pub(crate) speeds: Vec<Strength>,
+    /// How pins that move rods do.
+    pub(crate) pins: Vec<PinMotion>,
 }
 
 impl Scene {
@@ -87,6 +91,7 @@ impl Scene {
             rows_of_joints: self.rows_of_joints(),
             drives,
             speeds,
+            pins: self.rods.iter().filter_map(|rod| self.pin_of(rod).cloned()).collect(),
         })
     }
 
@@ -110,7 +115,11 @@ impl Scene {
         }
         for rod in &self.rods {
             let kind = JointKind::Rod { length: rod.length };
-            loops.join(tree, kind, in_tree(self.rod_ends(rod)))?;
+            let ends = in_tree(self.rod_ends(rod));
+            match self.pin_of(rod).cloned() {
+                None => loops.join(tree, kind, ends)?,
+                Some(pin) => loops.join_moving(tree, kind, ends, move |t| pin.path(t))?,
+            }
         }
         Ok(loops)
     }

@@ -12,12 +12,12 @@ use crate::model::drives::PinMotion;
 use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
 
-/// The obstacles of a scene, and room for the state of its bodies with theirs.
+/// The obstacles of a scene, whose bodies have so many stored numbers and freedoms.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Obstacles {
     pins: Vec<(PinMotion, [f64; 3])>,
     in_space: bool,
-    with: State<Vec<f64>>,
+    own: [usize; 2],
 }
 
 impl Scene {
@@ -58,10 +58,12 @@ impl Obstacles {
             let motion = scene.drives.motion_of(pin)?;
             Some((motion.clone(), scene.particles[pin].position))
         };
+        let in_space = scene.dimension == 3;
+        let each = if in_space { [7, 6] } else { [3, 3] };
         Obstacles {
             pins: scene.obstacles().filter_map(pin).collect(),
-            in_space: scene.dimension == 3,
-            with: State::default(),
+            in_space,
+            own: each.map(|each| each * scene.bodies.len()),
         }
     }
 
@@ -69,31 +71,58 @@ impl Obstacles {
         self.pins.is_empty()
     }
 
-    /// A state of the scene's bodies with theirs, as they move through a step of `h`.
-    pub(crate) fn with(&mut self, state: &State<Vec<f64>>, h: f64) -> &mut State<Vec<f64>> {
-        let Obstacles { pins, in_space, with } = self;
-        with.clone_from(state);
-        for (motion, start) in pins.iter() {
+    /// Writes them behind the scene's bodies, as they move through a step of `h`.
+    pub(crate) fn place(&self, state: &mut State<Vec<f64>>, h: f64) {
+        if self.pins.is_empty() {
+            return;
+        }
+        self.leave_out(state);
+        for (motion, start) in &self.pins {
             let from = motion.place(*start, state.t);
             let to = motion.place(*start, state.t + h);
             let [u, v, w] = std::array::from_fn(|c| (to[c] - from[c]) / h);
             let [x, y, z] = from;
-            if *in_space {
-                with.q.extend([x, y, z, 1.0, 0.0, 0.0, 0.0]);
-                with.p.0.extend([u, v, w, 0.0, 0.0, 0.0]);
+            if self.in_space {
+                state.q.extend([x, y, z, 1.0, 0.0, 0.0, 0.0]);
+                state.p.0.extend([u, v, w, 0.0, 0.0, 0.0]);
             } else {
-                with.q.extend([x, y, 0.0]);
-                with.p.0.extend([u, v, 0.0]);
+                state.q.extend([x, y, 0.0]);
+                state.p.0.extend([u, v, 0.0]);
             }
         }
-        with
     }
 
-    /// What of that state is the scene's.
-    pub(crate) fn without(&self, state: &mut State<Vec<f64>>) {
-        let (q, p) = (state.q.len(), state.p.0.len());
-        state.q.copy_from_slice(&self.with.q[..q]);
-        state.p.0.copy_from_slice(&self.with.p.0[..p]);
-        state.t = self.with.t;
+    /// Writes them where they are, with their velocity at that time.
+    pub(crate) fn place_now(&self, state: &mut State<Vec<f64>>) {
+        self.place(state, 1.0);
+        let each = if self.in_space { 6 } else { 3 };
+        let State { t, p, .. } = state;
+        let Some(own) = p.0.get_mut(self.own[1]..) else { return };
+        for (p, (motion, _)) in own.chunks_exact_mut(each).zip(&self.pins) {
+            let shifts = if self.in_space { 3 } else { 2 };
+            p.iter_mut().zip(motion.velocity(*t)).take(shifts).for_each(|(p, v)| *p = v);
+        }
+    }
+
+    /// Adds to bounds of forces what moves them between two times: their masses are one.
+    pub(crate) fn add_bounds(&self, (from, to): (f64, f64), bounds: &mut [f64]) {
+        let each = if self.in_space { 6 } else { 3 };
+        let Some(own) = bounds.get_mut(self.own[1]..) else { return };
+        for (bounds, (motion, _)) in own.chunks_exact_mut(each).zip(&self.pins) {
+            let [_, bend] = motion.strength.fastest(from, to);
+            let shifts = if self.in_space { 3 } else { 2 };
+            let all = bounds.iter_mut().zip(motion.shift).take(shifts);
+            all.for_each(|(bound, shift)| *bound += bend * shift.abs());
+        }
+    }
+
+    /// Leaves of a state what is the scene's.
+    pub(crate) fn leave_out(&self, state: &mut State<Vec<f64>>) {
+        if self.pins.is_empty() {
+            return;
+        }
+        let [stored, freedoms] = self.own;
+        state.q.truncate(stored);
+        state.p.0.truncate(freedoms);
     }
 }

@@ -80,6 +80,13 @@ impl PinMotion {
         std::array::from_fn(|c| start[c] + strength * self.shift[c])
     }
 
+    /// How far it is from where it starts, how fast it moves and how it accelerates.
+    #[cfg(feature = "rigid")]
+    pub(crate) fn path(&self, t: f64) -> [nalgebra::Vector3<f64>; 3] {
+        [self.strength.at(t), self.strength.rate(t), self.strength.curvature(t)]
+            .map(|strength| nalgebra::Vector3::from(self.shift) * strength)
+    }
+
     /// How fast it moves.
     pub(crate) fn velocity(&self, t: f64) -> [f64; 3] {
         let rate = self.strength.rate(t);

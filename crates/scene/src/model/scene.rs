@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::model::claim::Claim;
-use crate::model::drives::Drives;
+use crate::model::drives::{Drives, PinMotion};
 use crate::model::elastic_body::{ElasticBody, HeatedBody};
 use crate::model::items::{JointKind, Link, RigidBody, Rod, SceneContact, SceneJoint};
 use crate::model::observable::Observable;
@@ -283,7 +283,12 @@ impl Scene {
 
     /// Whether a pin moves that holds a rod.
     pub(crate) fn moves_rods(&self) -> bool {
-        self.rods.iter().any(|rod| rod.ends.iter().any(|&end| self.drives.moves(end)))
+        self.rods.iter().any(|rod| self.pin_of(rod).is_some())
+    }
+
+    /// How the pin of a rod moves, where it does.
+    pub(crate) fn pin_of(&self, rod: &Rod) -> Option<&PinMotion> {
+        rod.ends.iter().find_map(|&end| self.drives.motion_of(end))
     }
 
     /// Whether a sample keeps the velocities of its particles: those of bodies follow from theirs.

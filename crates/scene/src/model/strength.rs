@@ -105,6 +105,61 @@ impl Strength {
         }
     }
 
+    /// How fast its rate changes at a time; between knots it does not.
+    pub(crate) fn curvature(&self, t: f64) -> f64 {
+        match self {
+            Strength::Pieces(_) => 0.0,
+            &Strength::Sine { amplitude, frequency, phase, .. } => {
+                let omega = TAU * frequency;
+                -amplitude * omega * omega * (omega * t + phase).sin()
+            }
+        }
+    }
+
+    /// The least and the largest value between two times, jumps there included.
+    pub(crate) fn range(&self, a: f64, b: f64) -> [f64; 2] {
+        let ends = [self.at(a), self.at(b)];
+        let mut range = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let mut widen = |value: f64| range = [range[0].min(value), range[1].max(value)];
+        match self {
+            Strength::Pieces(Pieces { knots, .. }) => {
+                let within = |knot: &&[f64; 2]| a <= knot[0] && knot[0] <= b;
+                knots.iter().filter(within).for_each(|knot| widen(knot[1]));
+            }
+            &Strength::Sine { amplitude, frequency, phase, offset } => {
+                // Crests and troughs in half turns, of which two are enough.
+                let turns = |t: f64| (TAU * frequency * t + phase) / (0.5 * TAU) - 0.5;
+                let [first, last] = [turns(a).min(turns(b)).ceil(), turns(a).max(turns(b))];
+                for half in [first, first + 1.0].into_iter().filter(|half| *half <= last) {
+                    let sign = if half.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+                    widen(offset + sign * amplitude);
+                }
+            }
+        }
+        range
+    }
+
+    /// The largest size of it between two times.
+    pub(crate) fn largest(&self, a: f64, b: f64) -> f64 {
+        self.range(a, b).into_iter().fold(0.0, |largest, value| largest.max(value.abs()))
+    }
+
+    /// No less than the size of its rate between two times, and than that of how fast this changes but for jumps.
+    pub(crate) fn fastest(&self, a: f64, b: f64) -> [f64; 2] {
+        match self {
+            Strength::Pieces(Pieces { knots, .. }) => {
+                let within = |pair: &&[[f64; 2]]| pair[0][0] < b && a < pair[1][0];
+                let pieces = knots.windows(2).filter(within);
+                let rates = pieces.map(|p| ((p[1][1] - p[0][1]) / (p[1][0] - p[0][0])).abs());
+                [rates.fold(0.0, f64::max), 0.0]
+            }
+            &Strength::Sine { amplitude, frequency, .. } => {
+                let (size, omega) = (amplitude.abs(), TAU * frequency.abs());
+                [size * omega, size * omega * omega]
+            }
+        }
+    }
+
     /// The integral from `a` to `b`.
     pub fn integral(&self, a: f64, b: f64) -> f64 {
         match self {
@@ -147,9 +202,22 @@ impl Strength {
 
     /// By how much it jumps at a time: what is only steep there does not.
     pub(crate) fn jump(&self, t: f64) -> f64 {
-        let [before, after] = [self.at(t.next_down()), self.at(t)];
-        let steep = 1e-9 * before.abs().max(after.abs());
-        if (after - before).abs() > steep { after - before } else { 0.0 }
+        jump_between([self.at(t.next_down()), self.at(t)])
+    }
+
+    /// By how much its rate jumps at a time.
+    pub(crate) fn jump_of_rate(&self, t: f64) -> f64 {
+        jump_between([self.rate(t.next_down()), self.rate(t)])
+    }
+
+    /// Whether it jumps at any time.
+    pub(crate) fn jumps(&self) -> bool {
+        match self {
+            Strength::Pieces(Pieces { knots, .. }) => {
+                knots.windows(2).any(|pair| pair[0][0] == pair[1][0] && pair[0][1] != pair[1][1])
+            }
+            Strength::Sine { .. } => false,
+        }
     }
 
     /// The same with its sign turned.
@@ -168,6 +236,12 @@ impl Strength {
     pub fn is_constant(&self) -> bool {
         matches!(self, Strength::Pieces(Pieces { knots, .. }) if knots.len() == 1)
     }
+}
+
+/// A jump from one value to another, but for rounding.
+fn jump_between([before, after]: [f64; 2]) -> f64 {
+    let steep = 1e-9 * before.abs().max(after.abs());
+    if (after - before).abs() > steep { after - before } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -210,6 +284,29 @@ mod tests {
                 let h = 1e-6;
                 let slope = (strength.at(t + h) - strength.at(t - h)) / (2.0 * h);
                 assert!((slope - strength.rate(t)).abs() < 1e-6, "{strength:?} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_over_an_interval_are_those_of_many_values() {
+        for strength in all() {
+            for (a, b) in [(-0.5, 0.05), (0.0, 0.3), (0.2, 0.5), (-1.0, 2.0), (0.35, 0.41)] {
+                let times = (0..=4000).map(|k| a + (b - a) * f64::from(k) / 4000.0);
+                let [low, high] = strength.range(a, b);
+                let [mut least, mut most] = [f64::INFINITY, -f64::INFINITY];
+                for t in times {
+                    let s = strength.at(t);
+                    (least, most) = (least.min(s), most.max(s));
+                    assert!(strength.rate(t).abs() <= strength.fastest(a, b)[0] + 1e-12 || t == b);
+                }
+                assert!(low <= least && most <= high, "{strength:?} {a} {b}");
+                // No wider but by a jump at an end.
+                let jump = if b == 0.3 { 4.0 } else { 0.0 };
+                assert!(
+                    least - low < 1e-4 + jump && high - most < 1e-4 + jump,
+                    "{strength:?} {a} {b}"
+                );
             }
         }
     }

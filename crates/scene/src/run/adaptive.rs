@@ -35,8 +35,8 @@ pub(crate) trait Reader {
     /// Writes the scene's state.
     fn read(&mut self, t: f64, y: &[f64], state: &mut State<Vec<f64>>) -> Result<(), StepFailure>;
 
-    /// Brings the numbers where what is held is held; where that changed them by more than an error may, or a motor's
-    /// speed jumps, the work of the jump.
+    /// Brings the numbers where what is held is held; where that changed them by more than an error may, or the speed
+    /// of a motor or of a pin jumps, the work of the jump.
     fn restore(&mut self, _t: f64, _y: &mut [f64]) -> Result<Option<f64>, StepFailure> {
         Ok(None)
     }
@@ -49,7 +49,7 @@ pub(crate) trait Reader {
         None
     }
 
-    /// The power of motors with a speed.
+    /// The power of motors with a speed and of pins that move rods.
     fn driven_power(&mut self, _t: f64, _y: &[f64]) -> Result<f64, StepFailure> {
         Ok(0.0)
     }
@@ -82,7 +82,8 @@ pub(crate) fn read_off<'s>(
 ) -> Box<dyn Stepper + 's> {
     let end = scene.timing.horizon();
     let y = vec![0.0; method.moment().y.len()];
-    let driven = (acting.is_some() || scene.drives.has_speeds()).then(|| {
+    let leads = scene.drives.has_speeds() || scene.moves_rods();
+    let driven = (acting.is_some() || leads).then(|| {
         let v = vec![0.0; initial.p.components().len()];
         Worked { acting, to: 0.0, at: initial.clone(), v, of_speeds: 0.0 }
     });
@@ -130,7 +131,7 @@ struct Worked {
     to: f64,
     at: State<Vec<f64>>,
     v: Vec<f64>,
-    /// The work of motors with a speed.
+    /// The work of motors with a speed and of pins that move rods.
     of_speeds: f64,
 }
 

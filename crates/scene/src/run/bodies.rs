@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 use stationary_integrators::State;
+#[cfg(feature = "constraints")]
+use stationary_rigid::BodyMethod;
 use stationary_rigid::BodyMotion;
 
 use crate::assemble::acting::Acting;
@@ -33,6 +35,13 @@ impl Scene {
         if self.dimension == 3 {
             let system = self.in_space()?;
             if self.moves_joints() {
+                #[cfg(feature = "constraints")]
+                if !self.rods.is_empty() {
+                    // A start that moves against its rods is refused as in full coordinates.
+                    let (method, start) =
+                        (BodyMethod::VariationalRotation, (&system.initial, None));
+                    crate::run::joints::in_space(method, &system.system, &system.joints, start)?;
+                }
                 let stepper = joint_coordinates::stepper(self, &system)?;
                 return self.run_system(&system, stepper, checkpoint, observer);
             }
@@ -40,6 +49,11 @@ impl Scene {
         }
         let system = self.in_the_plane()?;
         if self.moves_joints() {
+            #[cfg(feature = "constraints")]
+            if !self.rods.is_empty() {
+                let start = (&system.initial, None);
+                crate::run::joints::in_the_plane(&system.system, &system.joints, start)?;
+            }
             let stepper = joint_coordinates::stepper(self, &system)?;
             return self.run_system(&system, stepper, checkpoint, observer);
         }

@@ -114,8 +114,9 @@ impl Stepper for Driven<'_> {
                 moved.clear();
                 moved.extend(state.q.iter().zip(&before.q).map(|(after, before)| after - before));
                 acting.begin();
-                acting.add_powers(0.5, t, &before.q, before.p.components(), moved);
-                acting.add_powers(0.5, to, &state.q, state.p.components(), moved);
+                for (now, State { q, p, .. }) in [(t, &*before), (to, &*state)] {
+                    acting.add_half_works((t, to), (now, q, p.components()), moved);
+                }
             }
         }
         self.works.copy_from_slice(acting.works());

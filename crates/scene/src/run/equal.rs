@@ -48,7 +48,10 @@ impl<'s> Equal<'s> {
         let Some(acting) = Acting::of(scene) else {
             return Ok(Box::new(Equal::new(problem, method)?));
         };
-        let Some(weights) = method.newmark_weights() else {
+        // What depends on pins that move is stiff as the rest is, and no kick of an implicit method's step.
+        let led = !scene.drives.motions.is_empty();
+        let weights = if led { method.weights_with_force() } else { method.newmark_weights() };
+        let Some(weights) = weights else {
             let steps = Box::new(Equal::new(problem, method)?);
             return Ok(Driven::new(steps, acting, Application::Kicks));
         };

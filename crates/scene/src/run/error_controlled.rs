@@ -9,8 +9,11 @@
 //! as long as what it keeps is little and as its first short steps do not count; a run goes on from its start,
 //! so that nothing but the state is remembered. Where a stretch fails, a single step of the scene is tried.
 //!
-//! Works and impulses of contacts are those of the chosen steps, each in the part of it that falls into a step of the
-//! scene: what is left of the energy's budget is the error of the steps.
+//! Joints, rods and motors are rows of each step, pins that move and touch obstacles, which the scene's states leave
+//! out. Works and impulses of contacts are those of the chosen steps, each in the part of it that falls into a step of
+//! the scene: what is left of the energy's budget is the error of the steps.
+
+use std::borrow::Cow;
 
 use stationary_calculus::{Covector, Force, Potential};
 use stationary_contact::{
@@ -30,12 +33,15 @@ use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
 use crate::run::given::Given;
+use crate::run::joint_set::JointSet;
 use crate::run::samples::{ChosenSteps, Impacts};
 use crate::run::stepper::{Stepped, Stepper};
 use crate::run::touching;
 
 type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
+/// The works of bodies before those of what acts.
+const WORKS: usize = 6;
 /// Tried steps between which a stretch keeps its length.
 const TRIED: [usize; 2] = [32, 128];
 /// The most steps of the scene in a stretch.
@@ -45,34 +51,71 @@ const ROUNDING: f64 = 1e-9;
 
 /// Steps of bodies in space.
 pub(crate) fn in_space<'a>(scene: &'a Scene, of: &'a InSpace, tolerance: f64) -> Made<'a> {
-    let contact = scene.contact.as_ref().ok_or(AssemblyError::Bodies)?;
-    // A start that overlaps is refused as with other steps.
-    touching::detecting_in_space(scene, of)?;
-    let colliders = scene.colliders(contact)?;
-    stepper(scene, contact, (|| of.system.clone(), &of.initial), colliders, tolerance)
+    match scene.with_obstacles() {
+        Some(with) => {
+            let of_all = with.in_space()?;
+            spatial((scene, &of.initial), Cow::Owned(with), &of_all, tolerance)
+        }
+        None => spatial((scene, &of.initial), Cow::Borrowed(scene), of, tolerance),
+    }
 }
 
 /// Steps of bodies in the plane.
 pub(crate) fn in_the_plane<'a>(scene: &'a Scene, of: &'a InThePlane, tolerance: f64) -> Made<'a> {
-    let contact = scene.contact.as_ref().ok_or(AssemblyError::Bodies)?;
-    touching::detecting_in_the_plane(scene, of)?;
-    let colliders = scene.planar_colliders(contact)?;
-    stepper(scene, contact, (|| of.system.clone(), &of.initial), colliders, tolerance)
+    match scene.with_obstacles() {
+        Some(with) => {
+            let of_all = with.in_the_plane()?;
+            planar((scene, &of.initial), Cow::Owned(with), &of_all, tolerance)
+        }
+        None => planar((scene, &of.initial), Cow::Borrowed(scene), of, tolerance),
+    }
+}
+
+/// A scene with its obstacles, where it has any.
+type With<'a> = Cow<'a, Scene>;
+
+/// A scene's steps, made of the scene with its obstacles. A start that overlaps is refused as with other steps.
+fn spatial<'a>(
+    own: (&'a Scene, &State<Vec<f64>>),
+    with: With<'a>,
+    of: &InSpace,
+    tolerance: f64,
+) -> Made<'a> {
+    let contact = own.0.contact.as_ref().ok_or(AssemblyError::Bodies)?;
+    touching::detecting_in_space(&with, of)?;
+    let (system, joints) = (of.system.clone(), touching::joints_in_space(&with, of)?);
+    let shapes = with.colliders(contact)?;
+    let parts = Parts::of(own.0, with, (move || system.clone(), shapes), tolerance)?;
+    stepper(own, parts, joints)
+}
+
+fn planar<'a>(
+    own: (&'a Scene, &State<Vec<f64>>),
+    with: With<'a>,
+    of: &InThePlane,
+    tolerance: f64,
+) -> Made<'a> {
+    let contact = own.0.contact.as_ref().ok_or(AssemblyError::Bodies)?;
+    touching::detecting_in_the_plane(&with, of)?;
+    let (system, joints) = (of.system.clone(), touching::joints_in_the_plane(&with, of)?);
+    let shapes = with.planar_colliders(contact)?;
+    let parts = Parts::of(own.0, with, (move || system.clone(), shapes), tolerance)?;
+    stepper(own, parts, joints)
 }
 
 fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
-    scene: &'a Scene,
-    contact: &'a SceneContact,
-    (system, initial): (impl Fn() -> BodiesIn<G, P> + 'a, &State<Vec<f64>>),
-    colliders: Vec<ColliderIn<G>>,
-    tolerance: f64,
+    (scene, initial): (&'a Scene, &State<Vec<f64>>),
+    parts: Parts<'a, G, P>,
+    joints: JointSet,
 ) -> Made<'a> {
-    let accuracy = tolerance * scene.scale();
-    let parts = Parts { scene, contact, system: Box::new(system), colliders, accuracy };
-    let (bodies, now, given) = (parts.start()?, initial.clone(), Given::of(scene));
+    let (bodies, now) = (parts.start()?, initial.clone());
     Ok(Box::new(Chosen {
         parts,
         bodies,
+        joints,
+        forces: Vec::new(),
+        rubs: scene.joints.iter().any(|joint| joint.friction > 0.0),
+        holds: scene.has_joints(),
         steps: scene.timing.stepping(),
         stretch: Stretch { from: 0, length: 1, first: now.clone() },
         next: 1,
@@ -81,8 +124,9 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
         seen: 0,
         pins: touching::RoundPins::of(scene),
         read: [now.t; 2],
+        told: Vec::new(),
         works: Vec::new(),
-        given,
+        given: Given::of(scene),
         own: Vec::new(),
         ends: Vec::new(),
         states: Vec::new(),
@@ -92,17 +136,36 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
 
 /// What bodies are made of that remember nothing.
 struct Parts<'a, G: Flies, P> {
-    scene: &'a Scene,
+    /// With obstacles.
+    scene: With<'a>,
     contact: &'a SceneContact,
     system: Box<dyn Fn() -> BodiesIn<G, P> + 'a>,
     colliders: Vec<ColliderIn<G>>,
+    obstacles: std::ops::Range<usize>,
     accuracy: f64,
 }
 
-impl<G: Flies, P: Potential> Parts<'_, G, P> {
+impl<'a, G: Flies, P: Potential> Parts<'a, G, P> {
+    fn of(
+        own: &'a Scene,
+        scene: With<'a>,
+        (system, colliders): (impl Fn() -> BodiesIn<G, P> + 'a, Vec<ColliderIn<G>>),
+        tolerance: f64,
+    ) -> Result<Self, AssemblyError> {
+        Ok(Parts {
+            contact: own.contact.as_ref().ok_or(AssemblyError::Bodies)?,
+            system: Box::new(system),
+            colliders,
+            obstacles: own.bodies.len()..scene.bodies.len(),
+            accuracy: tolerance * own.scale(),
+            scene,
+        })
+    }
+
     fn start(&self) -> Result<ErrorControlled<G, P>, ContactError> {
         let detector = self.scene.detector(&self.colliders, self.contact)?;
-        let world = World::new((self.system)(), detector)?.with_law(touching::law(self.scene));
+        let world = World::new((self.system)(), detector)?.with_law(touching::law(&self.scene));
+        let world = world.with_obstacles(self.obstacles.clone().collect())?;
         // An error of velocity goes on until the end of the run.
         ErrorControlled::new(world, self.accuracy)?.with_horizon(self.scene.timing.horizon())
     }
@@ -121,6 +184,11 @@ struct Stretch {
 struct Chosen<'a, G: Flies, P> {
     parts: Parts<'a, G, P>,
     bodies: ErrorControlled<G, P>,
+    joints: JointSet,
+    /// The forces of joints and the tensions of rods at the end of the last step, and whether joints rub and hold.
+    forces: Vec<f64>,
+    rubs: bool,
+    holds: bool,
     steps: Horizon,
     /// The last stretch, and the steps of the scene in the next.
     stretch: Stretch,
@@ -135,7 +203,9 @@ struct Chosen<'a, G: Flies, P> {
     pins: touching::RoundPins,
     /// The interval of which works and impulses were told last.
     read: [f64; 2],
-    /// What acts, then friction, impacts and lifting, as [`Scene::works_of`] names them.
+    /// Works as the bodies tell them.
+    told: Vec<f64>,
+    /// What acts, then friction, impacts, obstacles, lifting and joints, as [`Scene::works_of`] names them.
     works: Vec<f64>,
     /// Parts of the scene's steps at which states are kept, the end of the last step, and its states.
     own: Vec<f64>,
@@ -151,7 +221,11 @@ impl<G: Flies, P: Potential> Chosen<'_, G, P> {
         let report = loop {
             let end = self.steps.time(from + length);
             self.bodies = self.parts.start()?;
-            match self.bodies.advance_under(&mut self.now, end - first.t, &mut self.given) {
+            let Chosen { bodies, now, joints, given, .. } = self;
+            given.obstacles().place(now, end - first.t);
+            let taken = bodies.advance_with(now, end - first.t, &*joints, given);
+            given.obstacles().leave_out(now);
+            match taken {
                 Ok(report) => {
                     self.now.t = end;
                     break report;
@@ -177,17 +251,32 @@ impl<G: Flies, P: Potential> Chosen<'_, G, P> {
 
     /// The state at a time of the stretch.
     fn at(&self, t: f64) -> Result<State<Vec<f64>>, ContactError> {
-        if self.about(t) >= self.now.t { Ok(self.now.clone()) } else { self.bodies.state_at(t) }
+        if self.about(t) >= self.now.t {
+            return Ok(self.now.clone());
+        }
+        let mut state = self.bodies.state_at(t)?;
+        self.given.obstacles().leave_out(&mut state);
+        Ok(state)
     }
 
     /// Reads the works of the interval that is told next.
     fn read_works(&mut self, to: f64) {
         self.read = [self.read[1], to];
+        let acting = self.given.works();
+        self.told.clear();
+        self.told.resize(WORKS + acting, 0.0);
+        self.bodies.add_works(self.read.into(), &mut self.told);
+        let (of_bodies, of_forces) = self.told.split_at(WORKS);
+        let &[friction, impacts, obstacles, lifting, rubbing, joints] = of_bodies else { return };
         self.works.clear();
-        self.works.resize(3 + self.given.works(), 0.0);
-        self.bodies.add_works(self.read.into(), &mut self.works);
-        // Of contact, which the scene names last.
-        self.works.rotate_left(3);
+        self.works.extend(of_forces);
+        self.works.extend([friction, impacts]);
+        self.works.extend((!self.given.obstacles().is_empty()).then_some(obstacles));
+        self.works.push(lifting);
+        self.works.extend(self.rubs.then_some(rubbing));
+        self.works.extend(self.holds.then_some(joints));
+        self.bodies.joint_forces(to, &mut self.told);
+        self.joints.forces(&self.told, 1.0, &mut self.forces);
     }
 
     /// Keeps states within a step of the scene and at its end, where they are asked for.
@@ -261,6 +350,10 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
         &self.works
     }
 
+    fn multipliers(&self) -> &[f64] {
+        &self.forces
+    }
+
     fn pushes(&self, _: f64, see: &mut dyn FnMut(Push)) {
         let Parts { colliders, contact, .. } = &self.parts;
         let of = (Colliders::of(colliders, contact), &self.pins);
@@ -306,6 +399,7 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
     fn built(&self) -> Built {
         let Parts { colliders, contact, .. } = &self.parts;
         let colliders = Colliders::of(colliders, contact).count() as u64;
-        Built { colliders, ..Built::default() }
+        let equations = self.joints.equations() as u64;
+        Built { colliders, equations, ..Built::default() }
     }
 }

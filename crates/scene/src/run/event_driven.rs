@@ -1,8 +1,9 @@
 //! Bodies that touch, with impacts at their instant: flight in between, contact that lasts by steps of a world.
 //!
-//! The work of impacts is that of all impacts of a step, with their friction; the works of friction and of
-//! lifting are those of contact steps. What is left of the energy's budget is the defect of flight, of order 2
-//! or 4, and of order 1 while anything rests or slides.
+//! What acts gives kicks before and after each drift of a flight, and impulses over contact steps; pins that move and
+//! touch are obstacles, which the scene's states leave out. The work of impacts is that of all impacts of a step, with
+//! their friction; the works of friction and of lifting are those of contact steps. What is left of the energy's budget
+//! is the defect of flight, of order 2 or 4, and of order 1 while anything rests or slides.
 
 use stationary_calculus::Potential;
 use stationary_contact::{BodiesIn, DetectorIn, EventDriven, EventKind, Flies, FlightOrder};
@@ -17,6 +18,7 @@ use crate::model::stepping::{CONTACT_STEPS, FlightSteps};
 use crate::run::checkpoint::{Before, CheckpointError};
 use crate::run::contact_impulses::Push;
 use crate::run::error::StepFailure;
+use crate::run::given::Given;
 use crate::run::samples::Impacts;
 use crate::run::stepper::{Stepped, Stepper};
 use crate::run::touching;
@@ -25,8 +27,17 @@ type Made<'a> = Result<Box<dyn Stepper + 'a>, AssemblyError>;
 
 /// Steps of bodies in space.
 pub(crate) fn in_space<'a>(scene: &Scene, of: &'a InSpace, flights: FlightSteps) -> Made<'a> {
-    let detecting = touching::detecting_in_space(scene, of)?;
-    stepper(scene, of.system.clone(), detecting, flights)
+    match scene.with_obstacles() {
+        Some(with) => {
+            let of = with.in_space()?;
+            let detecting = touching::detecting_in_space(&with, &of)?;
+            stepper((scene, &with), of.system.clone(), detecting, flights)
+        }
+        None => {
+            let detecting = touching::detecting_in_space(scene, of)?;
+            stepper((scene, scene), of.system.clone(), detecting, flights)
+        }
+    }
 }
 
 /// Steps of bodies in the plane.
@@ -35,12 +46,22 @@ pub(crate) fn in_the_plane<'a>(
     of: &'a InThePlane,
     flights: FlightSteps,
 ) -> Made<'a> {
-    let detecting = touching::detecting_in_the_plane(scene, of)?;
-    stepper(scene, of.system.clone(), detecting, flights)
+    match scene.with_obstacles() {
+        Some(with) => {
+            let of = with.in_the_plane()?;
+            let detecting = touching::detecting_in_the_plane(&with, &of)?;
+            stepper((scene, &with), of.system.clone(), detecting, flights)
+        }
+        None => {
+            let detecting = touching::detecting_in_the_plane(scene, of)?;
+            stepper((scene, scene), of.system.clone(), detecting, flights)
+        }
+    }
 }
 
+/// A scene's steps, made of the scene with its obstacles.
 fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
-    scene: &Scene,
+    (scene, with): (&Scene, &Scene),
     system: BodiesIn<G, P>,
     (detector, colliders): (DetectorIn<G>, Colliders),
     flights: FlightSteps,
@@ -51,9 +72,11 @@ fn stepper<'a, G: Flies + 'a, P: Potential + 'a>(
     };
     let bodies =
         EventDriven::new(system, detector, order, scene.timing.step() / f64::from(CONTACT_STEPS))?;
-    let bodies = bodies.with_law(touching::law(scene));
+    let obstacles = (scene.bodies.len()..with.bodies.len()).collect();
+    let bodies = bodies.with_law(touching::law(scene)).with_obstacles(obstacles)?;
     let pins = touching::RoundPins::of(scene);
-    Ok(Box::new(Flying { bodies, colliders, pins, works: [0.0; 3] }))
+    let (given, with, works) = (Given::of(scene), State::default(), Vec::new());
+    Ok(Box::new(Flying { bodies, colliders, pins, given, with, works }))
 }
 
 /// Bodies between and at their impacts.
@@ -61,8 +84,11 @@ struct Flying<G: Flies, P> {
     bodies: EventDriven<G, P>,
     colliders: Colliders,
     pins: touching::RoundPins,
-    /// Those of friction, impacts and lifting, as [`Scene::works_of`] names them.
-    works: [f64; 3],
+    given: Given,
+    /// The state with obstacles.
+    with: State<Vec<f64>>,
+    /// What acts, then friction, impacts, obstacles and lifting, as [`Scene::works_of`] names them.
+    works: Vec<f64>,
 }
 
 impl<G: Flies, P: Potential> Stepper for Flying<G, P> {
@@ -72,9 +98,18 @@ impl<G: Flies, P: Potential> Stepper for Flying<G, P> {
         h: f64,
         _: f64,
     ) -> Result<Stepped, StepFailure> {
-        let met = self.bodies.step(state, h)?;
-        self.works = [-met.friction_energy, -met.impact_energy, met.lifting_energy];
-        let mut impacts = self.bodies.events().iter().filter(|e| e.kind == EventKind::Impact);
+        let Flying { bodies, given, with, works, .. } = self;
+        with.clone_from(state);
+        given.obstacles().place_now(with);
+        let met = bodies.step_under(with, h, given)?;
+        given.obstacles().leave_out(with);
+        std::mem::swap(state, with);
+        works.clear();
+        works.extend(bodies.works());
+        works.extend([-met.friction_energy, -met.impact_energy]);
+        works.extend((!given.obstacles().is_empty()).then_some(met.work));
+        works.push(met.lifting_energy);
+        let mut impacts = bodies.events().iter().filter(|e| e.kind == EventKind::Impact);
         let last = impacts.next_back().map_or(state.t, |event| event.time);
         let differentials = (met.evaluations + met.contact_steps + met.impacts) as u32;
         let report = StepReport { differentials, ..StepReport::default() };

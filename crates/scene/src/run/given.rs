@@ -1,4 +1,4 @@
-//! What acts on bodies that touch, as impulses over the steps of a world.
+//! What acts on bodies that touch, as impulses over the steps of a world, and what moves among them as it is told.
 //!
 //! ```text
 //! F_k = J_k/h,    W_k = <J_k, u>         u the mean of the velocities after impacts and at the step's end
@@ -6,23 +6,47 @@
 //! ```
 
 use stationary_calculus::{Covector, Force, Vector};
-use stationary_contact::StepForces;
+use stationary_contact::{FlightForces, StageEnd, StepForces};
 use stationary_integrators::State;
 
-use crate::assemble::acting::{Acting, Impulses};
+use crate::assemble::acting::{Acting, End, Impulses};
+use crate::assemble::obstacles::Obstacles;
+use crate::model::drives::MotorDrive;
 use crate::model::scene::Scene;
+use crate::model::strength::Strength;
 
-/// What acts on a scene, and its impulses over a step.
+/// What acts on a scene, its impulses over a step, and its obstacles.
 #[derive(Debug)]
 pub(crate) struct Given {
     acting: Option<Acting>,
+    obstacles: Obstacles,
+    /// Of motors with a speed the speeds, of pins that move the places.
+    speeds: Vec<Strength>,
+    places: Vec<Strength>,
     impulses: Impulses,
     h: f64,
+    /// The works of a flight.
+    flown: Vec<f64>,
 }
 
 impl Given {
     pub(crate) fn of(scene: &Scene) -> Self {
-        Given { acting: Acting::of(scene), impulses: Impulses::default(), h: 0.0 }
+        let motors = &scene.drives.motors;
+        let speeds = motors.iter().filter(|motor| motor.drive == MotorDrive::Speed);
+        Given {
+            acting: Acting::of(scene),
+            obstacles: Obstacles::of(scene),
+            speeds: speeds.map(|motor| motor.strength.clone()).collect(),
+            places: scene.drives.motions.iter().map(|motion| motion.strength.clone()).collect(),
+            impulses: Impulses::default(),
+            h: 0.0,
+            flown: Vec::new(),
+        }
+    }
+
+    /// The obstacles.
+    pub(crate) fn obstacles(&self) -> &Obstacles {
+        &self.obstacles
     }
 }
 
@@ -43,7 +67,8 @@ impl Force for Given {
 }
 
 impl StepForces for Given {
-    fn prepare(&mut self, state: &State<Vec<f64>>, h: f64) {
+    fn prepare(&mut self, state: &mut State<Vec<f64>>, h: f64) {
+        self.obstacles.place(state, h);
         self.impulses.clear();
         self.h = h;
         if let Some(acting) = &self.acting {
@@ -58,6 +83,51 @@ impl StepForces for Given {
     }
 
     fn next_corner(&self, t: f64) -> Option<f64> {
-        self.acting.as_ref()?.next_corner(t)
+        let told = self.speeds.iter().chain(&self.places).filter_map(|told| told.next_corner(t));
+        let acting = self.acting.as_ref().and_then(|acting| acting.next_corner(t));
+        told.chain(acting).min_by(f64::total_cmp)
+    }
+
+    fn jumps(&self, t: f64) -> bool {
+        self.speeds.iter().any(|speed| speed.jump(t) != 0.0)
+            || self.places.iter().any(|place| place.jump_of_rate(t) != 0.0)
+    }
+}
+
+impl FlightForces for Given {
+    fn kick(&mut self, end: StageEnd, stage: (f64, f64), state: &mut State<Vec<f64>>) {
+        if end == StageEnd::Start {
+            self.obstacles.place(state, stage.1);
+        }
+        let Some(acting) = &mut self.acting else { return };
+        let State { q, p, .. } = state;
+        let p = &mut p.components_mut()[..acting.freedoms()];
+        match end {
+            StageEnd::Start => acting.kick(End::Start, stage, q, p),
+            StageEnd::Finish => {
+                acting.kick(End::Finish, stage, q, p);
+                self.flown.iter_mut().zip(acting.works()).for_each(|(sum, work)| *sum += work);
+            }
+        }
+    }
+
+    fn begin_flight(&mut self) {
+        self.flown.clear();
+        self.flown.resize(self.works(), 0.0);
+    }
+
+    fn add_flown_works(&self, works: &mut [f64]) {
+        works.iter_mut().zip(&self.flown).for_each(|(sum, work)| *sum += work);
+    }
+
+    fn place(&self, state: &mut State<Vec<f64>>) {
+        self.obstacles.place_now(state);
+    }
+
+    fn add_bounds(&self, between: (f64, f64), state: &State<Vec<f64>>, bounds: &mut [f64]) {
+        if let Some(acting) = &self.acting {
+            acting.add_bounds(between, (state.t, &state.q, state.p.components()), bounds);
+        }
+        self.obstacles.add_bounds(between, bounds);
     }
 }

@@ -18,7 +18,6 @@ use stationary_rigid::BodyMethod;
 use crate::assemble::body_system::{InSpace, InThePlane};
 use crate::assemble::colliders::Colliders;
 use crate::assemble::error::AssemblyError;
-use crate::assemble::obstacles::Obstacles;
 use crate::model::built::Built;
 use crate::model::contact_side::ContactSide;
 use crate::model::scene::Scene;
@@ -51,22 +50,36 @@ pub(crate) fn in_the_plane<'a>(scene: &Scene, of: &'a InThePlane) -> Made<'a> {
 /// A scene's steps, made of the scene with its obstacles.
 fn spatial<'a>(own: &Scene, scene: &Scene, of: &InSpace) -> Made<'a> {
     let (detector, colliders) = detecting_in_space(scene, of)?;
-    if scene.has_joints() {
-        // A start that moves against its joints is refused as without contact.
-        let method = BodyMethod::VariationalRotation;
-        joints::in_space(method, &of.system, &of.joints, (&of.initial, None))?;
-    }
+    let joints = joints_in_space(scene, of)?;
     let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
-    Touching::over((own, scene), world, colliders, JointSet::in_space(scene, of)?)
+    Touching::over((own, scene), world, colliders, joints)
 }
 
 fn planar<'a>(own: &Scene, scene: &Scene, of: &InThePlane) -> Made<'a> {
     let (detector, colliders) = detecting_in_the_plane(scene, of)?;
+    let joints = joints_in_the_plane(scene, of)?;
+    let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
+    Touching::over((own, scene), world, colliders, joints)
+}
+
+/// What holds bodies in space. A start that moves against its joints is refused as without contact.
+pub(crate) fn joints_in_space(scene: &Scene, of: &InSpace) -> Result<JointSet, AssemblyError> {
+    if scene.has_joints() {
+        let method = BodyMethod::VariationalRotation;
+        joints::in_space(method, &of.system, &of.joints, (&of.initial, None))?;
+    }
+    JointSet::in_space(scene, of)
+}
+
+/// What holds them in the plane.
+pub(crate) fn joints_in_the_plane(
+    scene: &Scene,
+    of: &InThePlane,
+) -> Result<JointSet, AssemblyError> {
     if scene.has_joints() {
         joints::in_the_plane(&of.system, &of.joints, (&of.initial, None))?;
     }
-    let world = World::new(of.system.clone(), detector)?.with_law(law(scene));
-    Touching::over((own, scene), world, colliders, JointSet::in_the_plane(scene, of)?)
+    JointSet::in_the_plane(scene, of)
 }
 
 /// What detects the contacts of bodies in space, which are free at the start.
@@ -119,8 +132,9 @@ struct Touching<G: Dimension, P> {
     holds: bool,
     colliders: Colliders,
     pins: RoundPins,
-    obstacles: Obstacles,
     given: Given,
+    /// The state with obstacles.
+    with: State<Vec<f64>>,
     before: State<Vec<f64>>,
     mean: Vec<f64>,
     /// What acts, then friction, impacts, lifting and joints, as [`Scene::works_of`] names them.
@@ -144,8 +158,8 @@ impl<'a, G: Dimension, P: Potential + 'a> Touching<G, P> {
             holds: scene.has_joints(),
             colliders,
             pins: RoundPins::of(scene),
-            obstacles: Obstacles::of(scene),
             given: Given::of(scene),
+            with: State::default(),
             before: State::default(),
             mean: Vec::new(),
             works: Vec::new(),
@@ -215,17 +229,12 @@ impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
         h: f64,
         to: f64,
     ) -> Result<Stepped, StepFailure> {
-        self.given.prepare(state, h);
         self.before.clone_from(state);
-        let forces = &self.given;
-        let met = if self.obstacles.is_empty() {
-            self.world.step_under(state, h, &self.joints, forces)?
-        } else {
-            let with = self.obstacles.with(state, h);
-            let met = self.world.step_under(with, h, &self.joints, forces)?;
-            self.obstacles.without(state);
-            met
-        };
+        self.with.clone_from(state);
+        self.given.prepare(&mut self.with, h);
+        let met = self.world.step_under(&mut self.with, h, &self.joints, &self.given)?;
+        self.given.obstacles().leave_out(&mut self.with);
+        std::mem::swap(state, &mut self.with);
         self.works.clear();
         self.works.resize(self.given.works(), 0.0);
         let [before, after] = self.world.velocities();
@@ -236,7 +245,7 @@ impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
         if self.touches {
             self.works.extend([-met.friction_energy, -met.impact_energy]);
         }
-        self.works.extend((!self.obstacles.is_empty()).then_some(met.work));
+        self.works.extend((!self.given.obstacles().is_empty()).then_some(met.work));
         self.works.push(met.lifting_energy);
         self.works.extend(self.rubs.then_some(-met.joint_friction_energy));
         let of_joints = met.joint_friction_energy - met.joint_energy;

@@ -5,7 +5,7 @@ use stationary_rigid::BodyMethod;
 
 use crate::model::body_shape::BodyShape;
 use crate::model::drives::PinMotion;
-use crate::model::items::RigidBody;
+use crate::model::items::{RigidBody, Rod};
 use crate::model::scene::Scene;
 use crate::model::stepping::Stepping;
 use crate::text::fault::{BodyFault, Fault};
@@ -67,7 +67,7 @@ impl Scene {
         }
     }
 
-    /// An error where no coordinates of joints are left to follow motors, or a pin moves a rod.
+    /// An error where no coordinates of joints are left to follow motors, or a pin takes a rod along in no time.
     fn check_joint_coordinates(&self) -> Result<(), Fault> {
         let method = self.stepping.name();
         let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
@@ -75,11 +75,12 @@ impl Scene {
             let instead = "leave the speed of one out: it follows from the others";
             return refused("motors with a speed at all joints of a loop", instead);
         }
-        let led = "rods to pins that move (its equations of rods do not depend on time)";
-        match (self.moves_rods(), self.dimension) {
-            (false, _) => Ok(()),
-            (true, 3) => refused(led, "name `variational-rotation`"),
-            _ => refused(led, "name `stormer-verlet`"),
+        let jumps = |rod: &Rod| self.pin_of(rod).is_some_and(|pin| pin.strength.jumps());
+        match self.stepping {
+            Stepping::Adaptive { .. } if self.rods.iter().any(jumps) => {
+                refused(JUMPS, "make it a `ramp`")
+            }
+            _ => Ok(()),
         }
     }
 
@@ -107,21 +108,32 @@ impl Scene {
 
     /// An error where something acts on the scene's bodies for which such a method has no place.
     fn check_contact_alone(&self) -> Result<(), Fault> {
-        let chooses = self.chooses_contact_steps();
-        let round = |motion: &PinMotion| self.particles[motion.particle].radius > 0.0;
-        let what = match self.is_driven() {
-            _ if self.has_joints() => "joints or rods",
-            true if !chooses => "loads, drag, dampers, a frame that turns or changing gravity",
-            true if self.drives.motions.iter().any(round) => "pins that move and touch",
-            _ => return Ok(()),
-        };
-        let instead = match self.dimension {
+        let method = self.stepping.name();
+        let refused = |what, instead| Err(Fault::MethodCannot { method, what, instead });
+        let fixed = match self.dimension {
             3 => "name `variational-rotation`",
             _ => "name `stormer-verlet`",
         };
-        Err(Fault::MethodCannot { method: self.stepping.name(), what, instead })
+        if self.has_joints() && !self.chooses_contact_steps() {
+            return refused("joints or rods", fixed);
+        }
+        let jumps = |motion: &PinMotion| {
+            let touches = self.particles[motion.particle].radius > 0.0;
+            let leads = self.rods.iter().any(|rod| rod.ends.contains(&motion.particle));
+            motion.strength.jumps() && (touches || leads)
+        };
+        match self.drives.motions.iter().any(jumps) {
+            _ if self.rods.iter().any(|rod| rod.strength.is_finite()) => {
+                refused("rods that break", fixed)
+            }
+            true => refused(JUMPS, "make it a `ramp`"),
+            false => Ok(()),
+        }
     }
 }
+
+/// What no force and no impulse does.
+const JUMPS: &str = "pins that jump and hold rods or touch, which takes an infinite speed";
 
 /// Whether RATTLE can run along the method's free motion.
 fn follows_free_motion(method: BodyMethod) -> bool {

@@ -192,8 +192,11 @@ impl Scene {
     /// Whether the method takes forces that change with the place, as springs to pins that move do.
     fn moves_pins(&self) -> bool {
         match self.stepping {
-            Stepping::Equal(method) => method.facts().evaluation == Evaluation::Explicit,
-            Stepping::Adaptive { method, .. } => method.is_explicit(),
+            Stepping::Equal(method) => {
+                let explicit = method.facts().evaluation == Evaluation::Explicit;
+                explicit || method.weights_with_force().is_some()
+            }
+            Stepping::Adaptive { .. } => true,
             // Its kicks are those of an explicit method.
             Stepping::Constrained(Constrained::Rattle) => true,
             _ => false,
@@ -265,7 +268,7 @@ impl Scene {
             }
             _ if !self.drives.motions.is_empty() && !self.moves_pins() => refused(
                 "pins that move",
-                "name `stormer-verlet`, another explicit method up to order 2, or `dormand-prince-853`",
+                "name a method up to order 2, such as `stormer-verlet` or `newmark`, or an adaptive method",
             ),
             Stepping::Constrained(_) if !rods => {
                 refused("a scene without rods", "name any other method")

@@ -72,10 +72,13 @@ fn what_flight_has_no_place_for_is_refused() {
         &format!("{}{joint}", marked.replace("velocity = [0.3, 0, 0]", "velocity = [0, 0, 0]")),
         held,
     );
-    let drag = format!("drag = {{ coefficient = 1 }}\n{marked}");
-    let message = "`event-driven-2` cannot step loads, drag, dampers, a frame that turns or changing \
-                   gravity: name `variational-rotation`";
-    refused(&drag, message);
+    let pusher = "[[particles]]\nname = \"pusher\"\npinned = true\nradius = 0.1\nposition = [9, 0, 1]\n\
+                  [[motions]]\nof = \"pusher\"\nshift = [1, 0, 0]\nstrength = { step = [0, 1], at = 0.5 }\n";
+    refused(
+        &format!("{marked}{pusher}"),
+        "`event-driven-2` cannot step pins that jump and hold rods or touch, which takes an infinite speed: \
+         make it a `ramp`",
+    );
     // Nothing meets without contact.
     let alone = marked.split("[contact]").next().unwrap();
     refused(

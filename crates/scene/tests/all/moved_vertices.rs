@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use stationary_measure::SplitMix64;
 use stationary_scene::{Fault, Run, Scene, SceneError};
 
 use crate::driven::{defect, last, scene};
@@ -212,19 +213,105 @@ fn what_is_hung_by_a_vertex_that_moves_starts_at_rest() {
     assert_eq!(scene(&text(motion)).problem().unwrap().initial.q, still);
 }
 
-/// Newton's method has no slope of what moves in time: implicit steps are refused, and heat has no pins.
+/// The largest distance of two runs that are sampled alike.
+fn apart(a: &Run, b: &Run) -> f64 {
+    let at = |k: usize| {
+        let pairs = a.positions(k).iter().zip(b.positions(k));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    assert!(a.times().iter().zip(b.times()).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert_eq!(a.times().len(), b.times().len());
+    (0..a.times().len()).map(at).fold(0.0, f64::max)
+}
+
+/// Methods that solve for the end of a step, and their orders.
+const IMPLICIT: [(&str, f64); 5] = [
+    ("implicit-midpoint", 2.0),
+    ("newmark", 2.0),
+    ("trapezoid", 2.0),
+    ("generalized-alpha", 2.0),
+    ("implicit-euler", 1.0),
+];
+
 #[test]
-fn what_has_no_place_for_vertices_that_move_is_refused() {
-    for method in ["implicit-midpoint", "newmark", "trapezoid"] {
-        let refused = Scene::parse("a.toml", &bar(&format!("\"{method}\""), 0.01));
-        match refused {
-            Err(SceneError::Invalid(error)) => {
-                assert!(
-                    matches!(error.fault, Fault::MethodCannot { what: "pins that move", .. }),
-                    "{error}"
-                );
-            }
-            other => panic!("{other:?}"),
+fn implicit_steps_of_a_solid_whose_pins_move_have_their_order_and_their_budget_closes() {
+    let mut random = SplitMix64::new(29);
+    for (dimension, shape, _) in SHAPES {
+        let shift: [f64; 3] = std::array::from_fn(|_| 0.05 * random.symmetric());
+        let frequency = 3.0 + random.symmetric();
+        let strength = format!("{{ sine = 1, frequency = {frequency} }}");
+        let of = |method: &str, step: f64| {
+            let every = (0.02 / step).round();
+            let text = solid((dimension, shape), [0.0; 3])
+                .replace("\"stormer-verlet\"", method)
+                .replace("young = 1000", "young = 40")
+                .replace("step = 0.001", &format!("step = {step}\nsample_every = {every}"));
+            moved(&text, dimension, shift, &strength).run().unwrap()
+        };
+        let explicit = of("\"stormer-verlet\"", 1e-4);
+        let fine = of("\"dormand-prince-853\"\ntolerance = 1e-9", 0.02);
+        assert!(apart(&explicit, &fine) < 1e-5, "{shape}: {}", apart(&explicit, &fine));
+        for (method, order) in IMPLICIT {
+            let runs = [0.002, 0.001].map(|step| of(&format!("\"{method}\""), step));
+            let [coarse, finer] = runs.each_ref().map(|run| apart(run, &fine));
+            let slope = (coarse / finer).log2();
+            assert!((slope - order).abs() < 0.25, "{shape}: {method}: {slope} {finer}");
+            let [coarse, finer] = runs.each_ref().map(defect);
+            let slope = (coarse / finer).log2();
+            // Where the defect swings about zero it may fall faster.
+            assert!(
+                slope > order - 0.4 && finer < 0.2 / order,
+                "{shape}: {method}: {slope} {finer}"
+            );
         }
+        for method in ["radau-iia-5", "bdf-5"] {
+            let run = of(&format!("\"{method}\"\ntolerance = 1e-8"), 0.02);
+            assert!(apart(&run, &fine) < 1e-5, "{shape}: {method}: {}", apart(&run, &fine));
+            assert!(defect(&run) < 1e-4, "{shape}: {method}: {}", defect(&run));
+        }
+    }
+}
+
+/// Newton's method without the stiffness of what moves would not converge at steps so long.
+#[test]
+fn implicit_steps_longer_than_the_fastest_vibration_carry_what_moving_pins_hold() {
+    let stiff = |method: &str, hold: &str| {
+        format!(
+            "dimension = 2\nintegrator = \"{method}\"\nstep = 0.01\nhorizon = 1\n\
+             particles = [{{ name = \"pin\", pinned = true, position = [0, 0] }},\n\
+             {{ name = \"it\", position = [1, 0], mass = 1 }}]\n{hold}\n\
+             motions = [{{ of = \"pin\", shift = [0.3, 0.1], strength = {{ ramp = [0, 1], to = 1 }} }}]\n"
+        )
+    };
+    let spring = "springs = [{ between = [\"pin\", \"it\"], stiffness = 1e8 }]";
+    for (method, _) in IMPLICIT {
+        let run = scene(&stiff(method, spring)).run().unwrap();
+        let end = last(&run);
+        assert!(((end[2] - end[0]).hypot(end[3] - end[1]) - 1.0).abs() < 0.2, "{method}: {end:?}");
+        // Of several hundred freedoms by a sparse matrix.
+        let text = "dimension = 3\nintegrator = \"METHOD\"\nstep = 0.02\nhorizon = 0.2\n\
+                    [[solids]]\nname = \"it\"\n\
+                    shape = { kind = \"box\", size = [1, 0.5, 0.5], cells = [6, 4, 4] }\n\
+                    density = 1\nyoung = 1e6\npoisson = 0.3\npinned = [\"left\"]\n";
+        let text = text.replace("METHOD", method);
+        let carried = moved(&text, 3, [0.0, 0.0, 0.1], "{ ramp = [0, 1], to = 0.2 }");
+        let run = carried.run().unwrap();
+        // All of it is dragged along by its end.
+        let moved = last(&run).iter().zip(run.positions(0)).map(|(b, a)| (b - a).abs());
+        assert!(moved.fold(0.0, f64::max) < 0.5, "{method}");
+        assert!(run.built().sparse_solvers == 1, "{method}");
+        crate::checkpoints::assert_resumes(&carried, &[3], &format!("carried-{method}"));
+    }
+}
+
+#[test]
+fn a_sum_of_modes_has_no_place_for_vertices_that_move() {
+    let text = bar("\"linear-modes\"\nmodes = 2", 0.01);
+    match Scene::parse("a.toml", &text) {
+        Err(SceneError::Invalid(error)) => {
+            let refused = matches!(error.fault, Fault::MethodCannot { what: "pins that move", .. });
+            assert!(refused, "{error}");
+        }
+        other => panic!("{other:?}"),
     }
 }

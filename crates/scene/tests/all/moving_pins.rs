@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use stationary_scene::Scene;
+use stationary_measure::SplitMix64;
+use stationary_scene::{Run, Scene};
 
 use crate::driven::{defect, last, mass_on_a_spring, scene};
 
@@ -133,44 +134,53 @@ fn a_pendulum_on_a_rod_follows_a_pin_that_moves() {
     assert!(defect(&fine) < 1e-4, "{}", defect(&fine));
 }
 
-/// The same pendulum beside a body, where rods are joints: alone of order 2, solved together with contacts of order 1.
+/// The same pendulum beside a body.
+pub(crate) fn swung_beside_a_body(
+    dimension: usize,
+    method: &str,
+    contact: &str,
+    step: f64,
+) -> String {
+    let [l, w]: [f64; 2] = [0.8, TAU * 0.7];
+    let (angle, along) = (0.4_f64, [0.3 * w, 0.15 * w]);
+    let at = |x: f64, y: f64| match dimension {
+        3 => format!("[{x}, {y}, 0]"),
+        _ => format!("[{x}, {y}]"),
+    };
+    let side = if dimension == 3 { "[1, 1, 1]" } else { "[1, 1]" };
+    format!(
+        "dimension = {dimension}\nintegrator = {method}\nstep = {step}\nhorizon = 1.5\n\
+         uniform_gravity = {{ acceleration = {} }}\n{contact}\
+         observables = [{{ position = \"bob\" }}, {{ velocity = \"bob\" }}, \
+         {{ tension = [\"hook\", \"bob\"] }}]\n\
+         bodies = [{{ name = \"far\", mass = 1, box = {side}, position = {} }}]\n\
+         particles = [{{ name = \"hook\", position = {}, pinned = true }},\n\
+         {{ name = \"bob\", position = {}, mass = 0.4, velocity = {} }}]\n\
+         rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
+         motions = [{{ of = \"hook\", shift = {}, strength = {{ sine = 1, frequency = 0.7 }} }}]\n",
+        at(0.0, -9.81),
+        at(30.0, 0.0),
+        at(0.0, 0.0),
+        at(l * angle.sin(), -l * angle.cos()),
+        at(along[0], along[1]),
+        at(0.3, 0.15),
+    )
+}
+
+/// Where rods are joints: alone of order 2, solved together with contacts of order 1.
 #[test]
 fn a_rod_beside_bodies_follows_a_pin_that_moves() {
     let [l, w, time]: [f64; 3] = [0.8, TAU * 0.7, 1.5];
-    let (angle, along) = (0.4_f64, [0.3 * w, 0.15 * w]);
-    let [end, rate] = on_a_moving_pivot(l, w, [angle, 0.0], time);
+    let [end, rate] = on_a_moving_pivot(l, w, [0.4, 0.0], time);
     let hook = 0.3 * (w * time).sin();
     let exact = [hook + l * end.sin(), 0.5 * hook - l * end.cos()];
     let moved = 0.3 * w * (w * time).cos();
     let speed = (moved + l * rate * end.cos()).hypot(0.5 * moved + l * rate * end.sin());
-    for (dimension, method, side) in
-        [(2, "stormer-verlet", "[1, 1]"), (3, "variational-rotation", "[1, 1, 1]")]
-    {
-        let at = |x: f64, y: f64| match dimension {
-            3 => format!("[{x}, {y}, 0]"),
-            _ => format!("[{x}, {y}]"),
-        };
+    for (dimension, method) in [(2, "stormer-verlet"), (3, "variational-rotation")] {
         for (contact, order) in [("", 2.0), ("contact = { restitution = 0.5 }\n", 1.0)] {
             let run = |step: f64| {
-                scene(&format!(
-                    "dimension = {dimension}\nintegrator = \"{method}\"\nstep = {step}\nhorizon = {time}\n\
-                     uniform_gravity = {{ acceleration = {} }}\n{contact}\
-                     observables = [{{ position = \"bob\" }}, {{ velocity = \"bob\" }}, \
-                     {{ tension = [\"hook\", \"bob\"] }}]\n\
-                     bodies = [{{ name = \"far\", mass = 1, box = {side}, position = {} }}]\n\
-                     particles = [{{ name = \"hook\", position = {}, pinned = true }},\n\
-                     {{ name = \"bob\", position = {}, mass = 0.4, velocity = {} }}]\n\
-                     rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
-                     motions = [{{ of = \"hook\", shift = {}, strength = {{ sine = 1, frequency = 0.7 }} }}]\n",
-                    at(0.0, -9.81),
-                    at(30.0, 0.0),
-                    at(0.0, 0.0),
-                    at(l * angle.sin(), -l * angle.cos()),
-                    at(along[0], along[1]),
-                    at(0.3, 0.15),
-                ))
-                .run()
-                .unwrap()
+                let method = format!("\"{method}\"");
+                scene(&swung_beside_a_body(dimension, &method, contact, step)).run().unwrap()
             };
             let runs = [0.002, 0.001].map(run);
             let off = runs.each_ref().map(|run| {
@@ -272,26 +282,172 @@ fn a_pin_that_moves_and_touches_where_nothing_solves_it_is_refused() {
     crate::body_diagnostics::refused(text, message);
 }
 
-/// In the coordinates of joints a pin that moves has no place.
+/// The largest distance of the bob from where the independent solution has it, and of its tension from
+/// `m (L a.^2 + g cos a + <p'', along the rod>)`, both along the whole run.
+pub(crate) fn off_the_swung_pendulum(run: &Run, dimension: usize) -> [f64; 2] {
+    let [l, w, mass]: [f64; 3] = [0.8, TAU * 0.7, 0.4];
+    let mut off = [0.0_f64; 2];
+    let every = (run.times().len() / 12).max(1);
+    for sample in (every..run.times().len()).step_by(every) {
+        let t = run.times()[sample];
+        let [a, rate] = on_a_moving_pivot(l, w, [0.4, 0.0], t);
+        let (hook, pulled) = (0.3 * (w * t).sin(), -0.3 * w * w * (w * t).sin());
+        let x = run.observed(sample);
+        let place = [hook + l * a.sin(), 0.5 * hook - l * a.cos()];
+        off[0] = off[0].max((x[0] - place[0]).hypot(x[1] - place[1]));
+        let up = (9.81 + 0.5 * pulled) * a.cos() - pulled * a.sin();
+        let tension = mass * (l * rate * rate + up);
+        off[1] = off[1].max((x[2 * dimension] - tension).abs());
+    }
+    off
+}
+
 #[test]
-fn a_rod_to_a_pin_that_moves_is_refused_where_joints_have_coordinates() {
-    let text = "dimension = 2\nintegrator = <<\"joint-coordinates\">>\nstep = 0.01\nhorizon = 1\n\
-                bodies = [{ name = \"far\", mass = 1, box = [1, 1], position = [9, 0] }]\n\
-                particles = [{ name = \"hook\", position = [0, 0], pinned = true },\n\
-                { name = \"bob\", position = [1, 0], mass = 1 }]\n\
-                rods = [{ between = [\"hook\", \"bob\"] }]\n\
-                motions = [{ of = \"hook\", shift = [0, 1], strength = { ramp = [0, 1], from = 0.1, to = 1 } }]\n";
-    for (word, name) in [
-        ("\"joint-coordinates\"", "joint-coordinates"),
-        ("\"dormand-prince-853\"", "dormand-prince-853"),
+fn a_pin_that_moves_leads_its_rod_in_the_coordinates_of_joints() {
+    for dimension in [2, 3] {
+        let run = |method: &str, step: f64| {
+            scene(&swung_beside_a_body(dimension, method, "", step)).run().unwrap()
+        };
+        let runs = [0.004, 0.002].map(|step| run("\"joint-coordinates\"", step));
+        let [coarse, fine] = runs.each_ref().map(|run| off_the_swung_pendulum(run, dimension)[0]);
+        let slope = (coarse / fine).log2();
+        assert!((slope - 2.0).abs() < 0.2 && fine < 1e-3, "{dimension}: {slope} {fine}");
+        let [coarse, fine] = runs.each_ref().map(defect);
+        assert!((coarse / fine).log2() > 1.7 && fine < 1e-3, "{dimension}: {coarse} {fine}");
+        for method in ["dormand-prince-853", "dormand-prince-54"] {
+            let run = run(&format!("\"{method}\"\ntolerance = 1e-9"), 0.05);
+            let off = off_the_swung_pendulum(&run, dimension);
+            assert!(off[0] < 1e-6 && off[1] < 1e-4, "{dimension} {method}: {off:?}");
+            assert!(defect(&run) < 1e-6, "{dimension} {method}: {}", defect(&run));
+            let (name, work) = &run.works()[0];
+            assert!(name == "pins that move rods" && work.abs() > 0.1, "{:?}", run.works());
+        }
+    }
+}
+
+/// Chains of two boxes that hang on a hinge and on a rod from their end to a swung pin, as they come.
+fn chain_on_a_swung_pin(random: &mut SplitMix64, method: &str, step: f64) -> String {
+    let mut vector = |size: f64| -> [f64; 3] { std::array::from_fn(|_| size * random.symmetric()) };
+    let ([a, b, c], shift) = (vector(0.1), vector(0.2));
+    let at = vector(0.2);
+    let frequency = 0.6 + 0.3 * a.abs();
+    format!(
+        "dimension = 3\nintegrator = {method}\nstep = {step}\nhorizon = 0.8\n\
+         uniform_gravity = {{ acceleration = [0, 0, -9.81] }}\n\
+         observables = [{{ position = \"second\" }}, {{ velocity = \"second\" }}]\n\
+         [[bodies]]\nname = \"first\"\nmass = {}\nbox = [0.5, 0.1, 0.2]\nposition = [0.25, 0, 0]\n\
+         [[bodies]]\nname = \"second\"\nmass = {}\nbox = [0.4, 0.2, 0.1]\nposition = [0.7, 0, 0]\n\
+         points = [[0.2, {b}, {c}]]\n\
+         [[joints]]\nkind = \"ball\"\nbetween = [\"world\", \"first\"]\nat = [0, 0, 0]\n\
+         [[joints]]\nkind = \"hinge\"\nbetween = [\"first\", \"second\"]\nat = [0.5, 0, 0]\naxis = [{a}, 1, 0]\n\
+         [[particles]]\nname = \"hook\"\npinned = true\nposition = [{}, {}, {}]\n\
+         [[rods]]\nbetween = [\"hook\", \"second.8\"]\n\
+         [[motions]]\nof = \"hook\"\nshift = {shift:?}\n\
+         strength = {{ sine = 1, frequency = {frequency}, phase = 1.5707963267948966, offset = -1 }}\n",
+        1.0 + 5.0 * b.abs(),
+        1.0 + 5.0 * c.abs(),
+        1.1 + at[0],
+        at[1],
+        0.6 + at[2],
+    )
+}
+
+/// Positions of all observed, the furthest apart of two runs that are sampled alike.
+fn furthest(a: &Run, b: &Run, [every_a, every_b]: [usize; 2]) -> f64 {
+    let samples = (a.times().len() - 1) / every_a;
+    let at = |k: usize| {
+        let [x, y] = [a.observed(k * every_a), b.observed(k * every_b)];
+        assert!((a.times()[k * every_a] - b.times()[k * every_b]).abs() < 1e-9);
+        (0..3).map(|c| (x[c] - y[c]).abs()).fold(0.0, f64::max)
+    };
+    (0..=samples).map(at).fold(0.0, f64::max)
+}
+
+#[test]
+fn random_chains_on_a_swung_pin_move_alike_in_all_coordinates() {
+    for seed in 0..4 {
+        let run = |method: &str, step: f64| {
+            let text = chain_on_a_swung_pin(&mut SplitMix64::new(seed), method, step);
+            scene(&text).run().unwrap_or_else(|error| panic!("{seed} {method}: {error}"))
+        };
+        let full = run("\"variational-rotation\"", 0.002);
+        let joints = run("\"joint-coordinates\"", 0.002);
+        // The same principle on the same configurations.
+        assert!(furthest(&full, &joints, [1, 1]) < 1e-8, "{seed}");
+        let [a, b] = [&full, &joints].map(|run| run.works()[0].1);
+        assert!((a - b).abs() < 1e-7 && a.abs() > 1e-3, "{seed}: {a} {b}");
+        let fine = run("\"dormand-prince-853\"\ntolerance = 1e-10", 0.004);
+        let coarser = run("\"joint-coordinates\"", 0.004);
+        let off = [furthest(&coarser, &fine, [1, 1]), furthest(&joints, &fine, [2, 1])];
+        let slope = (off[0] / off[1]).log2();
+        assert!((slope - 2.0).abs() < 0.3, "{seed}: {slope} {off:?}");
+        assert!(defect(&fine) < 1e-7, "{seed}: {}", defect(&fine));
+    }
+}
+
+#[test]
+fn a_run_with_a_rod_to_a_moving_pin_in_joint_coordinates_resumes_to_the_same_bits() {
+    for (method, name) in [
+        ("\"joint-coordinates\"", "led-joints"),
+        ("\"dormand-prince-853\"\ntolerance = 1e-8", "led-adaptive"),
     ] {
-        let text = text.replace("\"joint-coordinates\"", word);
-        let tolerance = if name == "joint-coordinates" { "" } else { "tolerance = 1e-6\n" };
-        let message = format!(
-            "`{name}` cannot step rods to pins that move (its equations of rods do not depend on time): \
-             name `stormer-verlet`"
+        let text = chain_on_a_swung_pin(&mut SplitMix64::new(7), method, 0.01);
+        crate::checkpoints::assert_resumes(&scene(&text), &[2, 41, 79], name);
+    }
+}
+
+/// A pin that starts and stops at once along its rod gives half of `m u^2` and takes it back; across it nothing.
+#[test]
+fn a_pin_whose_velocity_jumps_gives_its_work_in_joint_coordinates() {
+    let run = |shift: &str, place: &str, end: f64| {
+        let text = format!(
+            "dimension = 2\nintegrator = \"dormand-prince-853\"\ntolerance = 1e-10\nstep = 0.1\nhorizon = {end}\n\
+             observables = [{{ position = \"bob\" }}, {{ velocity = \"bob\" }}]\n\
+             bodies = [{{ name = \"far\", mass = 1, box = [1, 1], position = [30, 0] }}]\n\
+             particles = [{{ name = \"hook\", position = [0, 0], pinned = true }},\n\
+             {{ name = \"bob\", position = {place}, mass = 0.5 }}]\n\
+             rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
+             motions = [{{ of = \"hook\", shift = {shift}, strength = {{ ramp = [0, 1], from = 0.25, to = 0.75 }} }}]\n"
         );
-        crate::body_diagnostics::refused(&format!("{tolerance}{text}"), &message);
+        scene(&text).run().unwrap()
+    };
+    let halfway = run("[0, 1]", "[0, -1]", 0.5);
+    let x = halfway.observed(halfway.times().len() - 1);
+    assert!((x[1] + 0.5).abs() < 1e-9 && (x[3] - 2.0).abs() < 1e-9, "{x:?}");
+    assert!((halfway.works()[0].1 - 0.5 * 0.5 * 4.0).abs() < 1e-9, "{:?}", halfway.works());
+    let all = run("[0, 1]", "[0, -1]", 1.0);
+    let x = all.observed(all.times().len() - 1);
+    assert!(x[1].abs() < 1e-9 && x[3].abs() < 1e-9 && all.works()[0].1.abs() < 1e-9, "{x:?}");
+    // Seen from a pin that has started it turns evenly.
+    let turning = run("[1, 0]", "[0, -1]", 0.7);
+    let (x, way) = (turning.observed(turning.times().len() - 1), 0.9);
+    assert!((x[0] - way + way.sin()).abs() < 1e-8 && (x[1] + way.cos()).abs() < 1e-8, "{x:?}");
+    assert!(defect(&turning) < 1e-8, "{}", defect(&turning));
+}
+
+#[test]
+fn what_a_rod_to_a_moving_pin_cannot_do_is_told() {
+    let text = |method: &str, strength: &str| {
+        format!(
+            "dimension = 2\nintegrator = {method}\nstep = 0.01\nhorizon = 1\n\
+             bodies = [{{ name = \"far\", mass = 1, box = [1, 1], position = [9, 0] }}]\n\
+             particles = [{{ name = \"hook\", position = [0, 0], pinned = true }},\n\
+             {{ name = \"bob\", position = [1, 0], mass = 1 }}]\n\
+             rods = [{{ between = [\"hook\", \"bob\"] }}]\n\
+             motions = [{{ of = \"hook\", shift = [1, 0], strength = {strength} }}]\n"
+        )
+    };
+    let message = "`dormand-prince-853` cannot step pins that jump and hold rods or touch, which takes an infinite speed: \
+                   make it a `ramp`";
+    let jump = text("<<\"dormand-prince-853\">>", "{ step = [0, 1], at = 0.5 }");
+    crate::body_diagnostics::refused(&format!("tolerance = 1e-6\n{jump}"), message);
+    // The pin starts at once along the rod, and the bob does not.
+    for method in ["\"joint-coordinates\"", "\"dormand-prince-853\"\ntolerance = 1e-6"] {
+        let told = scene(&text(method, "{ sine = 1, frequency = 1 }")).run().unwrap_err();
+        assert!(
+            told.to_string().starts_with("the velocities at the start are against the rod"),
+            "{told}"
+        );
     }
 }
 

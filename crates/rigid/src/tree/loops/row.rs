@@ -1,9 +1,14 @@
 //! One row of a joint that closes a loop: its gap, rate and acceleration, and what it pushes.
+//!
+//! ```text
+//! g(q, x(t)),    g. = J v + J_x x.,    g.. = J v. + J_x x.. + (v, x.) d2g (v, x.)       x its end in the world
+//! ```
 
 use nalgebra::{SVector, Vector3};
 
 use super::super::motion::TreeMotion;
 use super::super::spatial::{SpatialForce, Twist};
+use super::path::EndNow;
 use crate::joint::{Local, Placed, Row, along};
 use crate::{JointEnd, Wrench};
 
@@ -11,12 +16,19 @@ use crate::{JointEnd, Wrench};
 pub(in crate::tree) struct LoopRow {
     pub(super) ends: [JointEnd; 2],
     pub(super) row: Row,
+    /// Along which path its end in the world moves, and where that is now.
+    pub(super) path: Option<usize>,
+    pub(super) now: EndNow,
 }
 
 impl LoopRow {
     fn placed(&self, motion: &TreeMotion) -> [Placed; 2] {
         self.ends.each_ref().map(|end| match end.body {
-            None => end.in_world(),
+            None => {
+                let mut placed = end.in_world();
+                placed.place += self.now.shift;
+                placed
+            }
             Some(body) => {
                 let at = &motion.placed[body];
                 let arm = end.frame.translation;
@@ -39,10 +51,15 @@ impl LoopRow {
         self.row.scale(self.placed(motion).map(far).into_iter().fold(0.0, f64::max)).length
     }
 
-    /// Each body's motion in the row's axes: that of the centre in the world's, turns in the body's.
-    fn local(&self, motion: &TreeMotion, of: impl Fn(usize) -> Twist) -> SVector<f64, 12> {
+    /// The motion of each end in the row's axes: that of the centre in the world's, turns in the body's.
+    fn local(
+        &self,
+        motion: &TreeMotion,
+        of: impl Fn(usize) -> Twist,
+        of_world: Vector3<f64>,
+    ) -> SVector<f64, 12> {
         along(&self.ends.each_ref().map(|end| match end.body {
-            None => Wrench { force: Vector3::zeros(), torque: Vector3::zeros() },
+            None => Wrench { force: of_world, torque: Vector3::zeros() },
             Some(body) => {
                 let Twist { linear, angular } = of(body);
                 Wrench { force: linear, torque: motion.placed[body].matrix.tr_mul(&angular) }
@@ -50,19 +67,39 @@ impl LoopRow {
         }))
     }
 
+    /// How fast the row opens where the bodies move so and the world stays.
     pub(in crate::tree) fn rate(&self, motion: &TreeMotion, of: impl Fn(usize) -> Twist) -> f64 {
-        along(&self.differential(motion)).dot(&self.local(motion, of))
+        along(&self.differential(motion)).dot(&self.local(motion, of, Vector3::zeros()))
+    }
+
+    /// The same where the tree moves as it does.
+    pub(in crate::tree) fn slope(&self, motion: &TreeMotion) -> f64 {
+        self.rate(motion, |body| motion.moving[body].twist)
+    }
+
+    /// How fast its end in the world alone opens it.
+    pub(in crate::tree) fn led(&self, motion: &TreeMotion) -> f64 {
+        self.along_world(motion, self.now.velocity)
+    }
+
+    fn along_world(&self, motion: &TreeMotion, of_world: Vector3<f64>) -> f64 {
+        if self.path.is_none() {
+            return 0.0;
+        }
+        along(&self.differential(motion)).dot(&self.local(motion, |_| Twist::zero(), of_world))
     }
 
     pub(in crate::tree) fn speed(&self, motion: &TreeMotion) -> f64 {
-        self.rate(motion, |body| motion.moving[body].twist)
+        self.slope(motion) + self.led(motion)
     }
 
     pub(in crate::tree) fn acceleration(&self, motion: &TreeMotion) -> f64 {
         let mut bend = Local::zeros();
         self.row.add_hessian(&self.placed(motion), 1.0, &mut bend);
-        let velocity = self.local(motion, |body| motion.moving[body].twist);
-        self.rate(motion, |body| motion.accelerations[body]) + velocity.dot(&(bend * velocity))
+        let velocity = self.local(motion, |body| motion.moving[body].twist, self.now.velocity);
+        self.rate(motion, |body| motion.accelerations[body])
+            + self.along_world(motion, self.now.acceleration)
+            + velocity.dot(&(bend * velocity))
     }
 
     /// Sets the tree's bias forces to a unit of this row's force.

@@ -3,11 +3,11 @@
 //! ```text
 //! -D1 L(q, q') = p + J^T a,     g(t + h, q') = 0           solved for a by Newton's method
 //! J' M'^-1 (p' + J'^T b) = -dg/dt,                         p' <- p' + J'^T b
-//! f = (a + b)/h,     W = sum over schedules of a s.(t) + b s.(t + h)
+//! f = (a + b)/h,     W = -<a, dg/dt (t)> - <b, dg/dt (t + h)>
 //! ```
-//! `g` the gaps of loops, then `q_k - s(t)` of the driven coordinates `k`, `J` their slopes along the joints, `a b`
-//! impulses (N s, N m s). With what drives the tree the kicks come after `a` and before `b`: the step is its own
-//! inverse. It is what RATTLE does in full coordinates.
+//! `g` the gaps of loops, whose ends in the world may move, then `q_k - s(t)` of the driven coordinates `k`, `J` their
+//! slopes along the joints, `a b` impulses (N s, N m s). With what drives the tree the kicks come after `a` and before
+//! `b`: the step is its own inverse. It is what RATTLE does in full coordinates.
 
 use stationary_calculus::{DenseLu, NewtonError, NewtonFailure};
 use stationary_integrators::StepError;
@@ -41,7 +41,9 @@ pub(super) struct Held {
     change: Vec<f64>,
     /// At the start of the step, and at its end.
     pub(super) impulses: [Vec<f64>; 2],
-    /// The mean force of each row in the last step, and the work of the schedules.
+    /// The speed along each row that time asks for: -dg/dt, at the start of the step and at its end.
+    rates: [Vec<f64>; 2],
+    /// The mean force of each row in the last step, and the work of schedules and of ends that move.
     forces: Vec<f64>,
     work: f64,
 }
@@ -58,6 +60,7 @@ impl Held {
             unit: vec![0.0; freedoms],
             change: Vec::new(),
             impulses: [Vec::new(), Vec::new()],
+            rates: [Vec::new(), Vec::new()],
             forces: Vec::new(),
             work: 0.0,
         }
@@ -71,6 +74,7 @@ impl Held {
         self.rank.resize(m);
         self.change = vec![0.0; m];
         self.impulses = [vec![0.0; m], vec![0.0; m]];
+        self.rates = [vec![0.0; m], vec![0.0; m]];
         self.forces = vec![0.0; m];
     }
 
@@ -83,17 +87,25 @@ impl Held {
         self.loop_rows().len() + self.drives.len()
     }
 
-    /// Writes the slopes of all rows where the motion is placed, and how the tree answers to them.
-    pub(super) fn place(&mut self, motion: &mut TreeMotion) -> Result<(), StepError> {
+    /// Writes the slopes of all rows where the motion is placed at one end of a step, how the tree answers to them and
+    /// which speeds they ask for there.
+    pub(super) fn place(
+        &mut self,
+        motion: &mut TreeMotion,
+        end: usize,
+        t: f64,
+    ) -> Result<(), StepError> {
+        self.set_time(t);
         motion.factor().map_err(|_| StepError::SingularLegendreTransform)?;
         let n = self.unit.len();
-        let Held { loops, drives, levers, responses, unit, .. } = self;
+        let Held { loops, drives, levers, responses, unit, rates, .. } = self;
         let loops = loops.as_ref().map_or(&[][..], |loops| &loops.rows);
         let rows = loops.iter().map(Ok).chain(drives.iter().map(Err));
         for (r, row) in rows.enumerate() {
             let (lever, response) = (&mut levers[n * r..][..n], &mut responses[n * r..][..n]);
             match row {
                 Ok(row) => {
+                    rates[end][r] = -row.led(motion);
                     row.push(motion);
                     motion.gather(lever);
                     lever.iter_mut().for_each(|lever| *lever = -*lever);
@@ -101,6 +113,7 @@ impl Held {
                     motion.solve(unit, |_| Twist::zero(), response);
                 }
                 Err(drive) => {
+                    rates[end][r] = drive.motion(t)[1];
                     lever.fill(0.0);
                     lever[drive.speed] = 1.0;
                     motion.forces.fill(SpatialForce::zero());
@@ -109,6 +122,11 @@ impl Held {
             }
         }
         Ok(())
+    }
+
+    /// Takes ends that move to where they are at a time.
+    fn set_time(&mut self, t: f64) {
+        self.loops.iter_mut().for_each(|loops| loops.set_time(t));
     }
 
     /// Sets the matrix of what all rows feel of each, by their slopes where the motion is placed.
@@ -177,7 +195,7 @@ impl Held {
         (t, h): (f64, f64),
         p: &mut [f64],
     ) -> Result<(), StepError> {
-        self.place(motion)?;
+        self.place(motion, 1, t + h)?;
         self.couple();
         self.check_rank(motion)?;
         self.factor()?;
@@ -185,27 +203,25 @@ impl Held {
         self.impulses[1].fill(0.0);
         // Twice, as the matrix squares the angle between rows.
         for _ in 0..2 {
-            let Held { responses, drives, change, impulses: [_, end], matrix, .. } = self;
+            let Held { responses, rates: [_, asked], change, impulses: [_, end], matrix, .. } =
+                self;
             // J M^-1 p is <M^-1 J^T, p>.
-            for (change, response) in change.iter_mut().zip(responses.chunks_exact(n.max(1))) {
-                *change = -response.iter().zip(&*p).map(|(response, p)| response * p).sum::<f64>();
-            }
-            let first = change.len() - drives.len();
-            for (change, drive) in change[first..].iter_mut().zip(&*drives) {
-                *change += drive.motion(t + h)[1];
+            let answers = responses.chunks_exact(n.max(1)).zip(&*asked);
+            for (change, (response, asked)) in change.iter_mut().zip(answers) {
+                let has = response.iter().zip(&*p).map(|(response, p)| response * p).sum::<f64>();
+                *change = asked - has;
             }
             matrix.solve(change);
             end.iter_mut().zip(&*change).for_each(|(end, change)| *end += change);
             Self::add(&self.levers, &self.change, 1.0, p);
         }
-        let Held { drives, impulses: [start, end], forces, work, .. } = self;
-        let first = forces.len() - drives.len();
+        let Held { rates, impulses: [start, end], forces, work, .. } = self;
         for ((force, a), b) in forces.iter_mut().zip(&*start).zip(&*end) {
             *force = (a + b) / h;
         }
         *work = 0.0;
-        for (drive, (a, b)) in drives.iter().zip(start[first..].iter().zip(&end[first..])) {
-            *work += a * drive.motion(t)[1] + b * drive.motion(t + h)[1];
+        for (rates, impulses) in rates.iter().zip([&*start, &*end]) {
+            *work += rates.iter().zip(impulses).map(|(rate, impulse)| rate * impulse).sum::<f64>();
         }
         if let Some(loops) = &self.loops {
             loops.check_aside(motion).map_err(|error| match error {
@@ -256,7 +272,7 @@ impl<D> TreeVariational<D> {
         &self.held.forces[..self.held.loop_rows().len()]
     }
 
-    /// The work of the prescribed motions in the last step, joules.
+    /// The work of the prescribed motions and of ends of loops that move in the last step, joules.
     pub fn drive_work(&self) -> f64 {
         self.held.work
     }
@@ -269,6 +285,7 @@ impl<D> TreeVariational<D> {
         last: &mut f64,
     ) -> Result<bool, StepError> {
         let TreeVariational { after, held, next, guesses, .. } = self;
+        held.set_time(t + h);
         let gap = held.open(after, t + h, &next.q);
         if gap <= ROUNDING || (gap >= 0.5 * *last && gap <= STALLED) {
             return Ok(true);
@@ -286,7 +303,7 @@ impl<D> TreeVariational<D> {
             let rows = held.loops.as_ref().map_or(&[][..], |loops| &loops.rows);
             let column = &mut held.matrix.matrix()[m * c..][..m];
             for (entry, row) in column.iter_mut().zip(rows) {
-                *entry = h * row.speed(after);
+                *entry = h * row.slope(after);
             }
             for (entry, drive) in column[first..].iter_mut().zip(&held.drives) {
                 *entry = h * response[drive.speed];

@@ -1,11 +1,11 @@
 //! Energies that depend on where pins are that move: of springs, of elements, of attraction.
 //!
 //! ```text
-//! V(q, X(t)),    F = -dV/dq,    W = <dV/dX, dX>        X places of pins
+//! V(q, X(t)),    F = -dV/dq,    W = <dV/dX, dX>,    K = d2V/dq2        X places of pins
 //! V = -sum_i G m_i M/|x_i - X|                         of a pin that attracts with the mass M
 //! ```
 
-use stationary_calculus::{Covector, Potential, Stencil};
+use stationary_calculus::{Covector, Curvature, FIXED, Potential, Sink, Stencil, StencilHessian};
 use stationary_elasticity::Spring;
 use stationary_integrators::CentralGravity;
 
@@ -20,9 +20,26 @@ pub(super) struct MovingPin {
     pub(super) start: [f64; 3],
 }
 
+/// Places of a pin at which a pull is looked at, beside the nearest.
+#[cfg(feature = "contact")]
+const LOOKS: u8 = 8;
+
 impl MovingPin {
     pub(super) fn place(&self, t: f64) -> [f64; 3] {
         self.motion.place(self.start, t)
+    }
+
+    /// Places on its way between two times, both ends and the nearest to another place among them.
+    #[cfg(feature = "contact")]
+    fn way(&self, (from, to): (f64, f64), other: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+        let (start, shift) = (self.start, self.motion.shift);
+        let [low, high] = self.motion.strength.range(from, to);
+        let square: f64 = shift.iter().map(|x| x * x).sum();
+        let along: f64 = (0..3).map(|c| (other[c] - start[c]) * shift[c]).sum();
+        let nearest = if square > 0.0 { (along / square).clamp(low, high) } else { low };
+        let looks = (0..=LOOKS).map(move |k| low + (high - low) * f64::from(k) / f64::from(LOOKS));
+        let at = move |s: f64| std::array::from_fn(|c| start[c] + s * shift[c]);
+        looks.chain([nearest]).map(at)
     }
 }
 
@@ -93,6 +110,31 @@ impl ByPins {
         }
     }
 
+    /// Adds the second differential by the freedoms of particles.
+    pub(super) fn add_hessian(&self, now: (f64, &[f64]), each: usize, hessian: &mut impl Sink) {
+        match self {
+            ByPins::Spring { spring, pulled, pin } => {
+                let ends = [pin.place(now.0), pulled.place(now.1, each)];
+                let block = Stencil::<2, 3>::hessian(spring, &ends, Curvature::Exact);
+                let own = std::array::from_fn(|d| block[1][d][1]);
+                pulled.add_symmetric(each, own, hessian);
+            }
+            ByPins::Elements { elastic, pins, dimension } => {
+                let free = now.1.len();
+                let q = with_pins(now, pins, *dimension);
+                elastic.add_hessian(&q, &mut FreeFreedoms { free, hessian });
+            }
+            ByPins::Attraction { pin, all } => {
+                for one in all {
+                    let mut own = [[0.0; 3]; 3];
+                    let mut sink = Block(&mut own);
+                    one.law().add_hessian(&one.way(pin, now, each), &mut sink);
+                    one.at.add_symmetric(each, own, hessian);
+                }
+            }
+        }
+    }
+
     /// The differential by the place of each pin.
     pub(super) fn by_places(&self, now: (f64, &[f64]), each: usize) -> Vec<(&MovingPin, [f64; 3])> {
         match self {
@@ -112,6 +154,39 @@ impl ByPins {
                 }
                 vec![(pin, sum)]
             }
+        }
+    }
+
+    /// Tells each body's anchor and no less than the pull there, wherever on its way between two times the pin is.
+    #[cfg(feature = "contact")]
+    pub(super) fn largest_pulls(
+        &self,
+        between: (f64, f64),
+        now: (f64, &[f64]),
+        each: usize,
+        tell: &mut dyn FnMut(&Anchor, f64),
+    ) {
+        let size = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        match self {
+            ByPins::Spring { spring, pulled, pin } => {
+                let at = pulled.place(now.1, each);
+                let pull = |pin| size(Stencil::<2, 3>::differential(spring, &[pin, at])[1]);
+                tell(pulled, pin.way(between, at).map(pull).fold(0.0, f64::max));
+            }
+            ByPins::Attraction { pin, all } => {
+                for one in all {
+                    let at = one.at.place(now.1, each);
+                    let pull = |pin: [f64; 3]| {
+                        let mut dv = [0.0; 3];
+                        let way: [f64; 3] = std::array::from_fn(|c| at[c] - pin[c]);
+                        one.law().add_differential(&way, Covector(&mut dv));
+                        size(dv)
+                    };
+                    tell(&one.at, pin.way(between, at).map(pull).fold(0.0, f64::max));
+                }
+            }
+            // Bodies have no elements.
+            ByPins::Elements { .. } => {}
         }
     }
 
@@ -170,6 +245,45 @@ impl Attracted {
         let mut dv = [0.0; 3];
         self.law().add_differential(&self.way(pin, now, each), Covector(&mut dv));
         dv
+    }
+}
+
+/// Passes on what free freedoms feel: those of pins come after them.
+struct FreeFreedoms<'a, S> {
+    free: usize,
+    hessian: &'a mut S,
+}
+
+impl<S> FreeFreedoms<'_, S> {
+    fn seen(&self, freedom: usize) -> usize {
+        if freedom < self.free { freedom } else { FIXED }
+    }
+}
+
+impl<S: Sink> Sink for FreeFreedoms<'_, S> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        let seen: Vec<usize> = freedoms.iter().map(|&freedom| self.seen(freedom)).collect();
+        self.hessian.add_symmetric(&seen, block);
+    }
+
+    fn add_vertices<const V: usize, const D: usize>(
+        &mut self,
+        freedoms: &[[usize; D]; V],
+        block: &StencilHessian<V, D>,
+    ) {
+        let seen = freedoms.map(|vertex| vertex.map(|freedom| self.seen(freedom)));
+        self.hessian.add_vertices(&seen, block);
+    }
+}
+
+/// A matrix of three by three.
+struct Block<'a>(&'a mut [[f64; 3]; 3]);
+
+impl Sink for Block<'_> {
+    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
+            freedoms.iter().zip(column).for_each(|(&i, entry)| self.0[j][i] += entry);
+        }
     }
 }
 

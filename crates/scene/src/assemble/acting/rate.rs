@@ -34,6 +34,34 @@ pub(super) struct RateNow {
     told: f64,
 }
 
+#[cfg(feature = "contact")]
+impl Rate {
+    /// The ends that move, of a rate of a distance.
+    pub(super) fn anchors(&self) -> impl Iterator<Item = &Anchor> {
+        let ends = match self {
+            Rate::Distance(ends) => ends.as_slice(),
+            Rate::Freedoms(_) => &[],
+        };
+        ends.iter().filter_map(|end| match end {
+            End::Held(anchor) => Some(anchor),
+            End::Moved(..) => None,
+        })
+    }
+
+    /// No less than what pins make of it between two times.
+    pub(super) fn fastest_told(&self, (from, to): (f64, f64)) -> f64 {
+        let Rate::Distance(ends) = self else { return 0.0 };
+        let speed = |end: &End| match end {
+            End::Held(_) => 0.0,
+            End::Moved(pin, _) => {
+                let length = pin.shift.iter().map(|x| x * x).sum::<f64>().sqrt();
+                pin.strength.fastest(from, to)[0] * length
+            }
+        };
+        ends.iter().map(speed).sum()
+    }
+}
+
 impl Rate {
     pub(super) fn now(&self, t: f64, q: &[f64], each: usize) -> RateNow {
         let ends = match self {

@@ -1,7 +1,7 @@
 //! The bodies of a scene, read from coordinates and speeds of joints.
 //!
 //! Loops are closed where the bodies are read; the method's own numbers are brought back where what opened of loops is a
-//! part of its tolerance, and where the speed of a motor jumps.
+//! part of its tolerance, and where the speed of a motor or of a pin that moves a rod jumps.
 
 use stationary_integrators::State;
 use stationary_rigid::tree::{TreeError, TreeField, TreeForces, TreeLoops, TreeMotion};
@@ -59,20 +59,28 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> JointReader<D> {
     /// one does.
     fn hold(&mut self, t: f64, y: &[f64]) -> Result<Option<f64>, TreeError> {
         let ahead = t > self.jumped;
+        self.loops.set_time(t);
         for (jump, speed) in self.jumps.iter_mut().zip(&self.joints.speeds) {
             *jump = if ahead { speed.jump(t) } else { 0.0 };
         }
         self.y.copy_from_slice(y);
-        if self.jumps.iter().all(|&jump| jump == 0.0) {
+        let turns = self.jumps.iter().any(|&jump| jump != 0.0);
+        let pulls = ahead && self.joints.pins.iter().any(|pin| pin.strength.jump_of_rate(t) != 0.0);
+        if !turns && !pulls {
             self.close(t, false)?;
             return Ok(None);
         }
+        // Pins move on as before the jump, places as they do at it.
+        self.loops.set_time(if pulls { t.next_down() } else { t });
         self.close(t, true)?;
+        self.loops.set_time(t);
         let before = self.motion.kinetic_energy();
         let (q, v) = self.y.split_at_mut(self.joints.tree.coordinates());
-        self.motion.change_held(q, v, &self.jumps)?;
+        if turns {
+            self.motion.change_held(q, v, &self.jumps)?;
+        }
         self.close(t, false)?;
-        // Loops do none.
+        // What loops do besides is none, but by pins.
         Ok(Some(self.motion.kinetic_energy() - before))
     }
 
@@ -119,18 +127,20 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Reader for JointReader<D> {
     }
 
     fn next_corner(&self, t: f64) -> Option<f64> {
-        let corners = self.joints.speeds.iter().filter_map(|speed: &Strength| speed.next_corner(t));
-        corners.min_by(f64::total_cmp)
+        let of_pins = self.joints.pins.iter().map(|pin| &pin.strength);
+        let all = self.joints.speeds.iter().chain(of_pins);
+        all.filter_map(|speed: &Strength| speed.next_corner(t)).min_by(f64::total_cmp)
     }
 
     fn driven_power(&mut self, t: f64, y: &[f64]) -> Result<f64, StepFailure> {
         let JointReader { joints, field, forces, .. } = self;
+        let of_pins = if joints.pins.is_empty() { 0.0 } else { field.power_of_ends(t, y)? };
         if joints.drives.is_empty() {
-            return Ok(0.0);
+            return Ok(of_pins);
         }
         field.drive_forces(t, y, forces)?;
         let powers = joints.drives.iter().zip(forces).map(|(drive, f)| *f * drive.motion(t)[1]);
-        Ok(powers.sum())
+        Ok(powers.sum::<f64>() + of_pins)
     }
 
     fn multipliers(&self) -> &[f64] {
