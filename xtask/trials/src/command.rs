@@ -216,14 +216,6 @@ mod tests {
         Kind { trial: |draw| Verdict::of(draw.uniform(0.0, 1.0), 0.999, "x"), ..KIND };
 
     #[test]
-    fn a_crates_name_stands_for_all_of_its_kinds() {
-        let only = |name| Words::try_parse_from(["trials", "--only", name]).unwrap().arguments;
-        let kinds = only("calculus").kinds(&[]).unwrap();
-        assert!(kinds.len() > 1 && kinds.iter().all(|kind| kind.krate == "calculus"));
-        assert!(only("nothing").kinds(&[]).is_err());
-    }
-
-    #[test]
     fn one_wrong_case_fails_the_command_and_stands_in_its_file() {
         let file = std::env::temp_dir().join(format!("trials-{}.json", std::process::id()));
         let words = ["trials", "--cases", "9999", "--seed", "7", "--json"];

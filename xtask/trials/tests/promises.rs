@@ -69,3 +69,16 @@ fn a_reader_that_leaves_ends_the_program_without_a_word() {
     let status = child.wait().unwrap();
     assert!(said.is_empty() && status.code() != Some(101), "{status}: {said}");
 }
+
+#[test]
+fn a_crates_name_stands_for_all_of_its_kinds() {
+    let listed = |name: &str| {
+        let trials = env!("CARGO_BIN_EXE_stationary-trials");
+        Command::new(trials).args(["--list", "--only", name]).output().unwrap()
+    };
+    let text = String::from_utf8(listed("calculus").stdout).unwrap();
+    let crates: Vec<&str> =
+        text.lines().filter_map(|kind| kind.split_whitespace().nth(1)).collect();
+    assert!(crates.len() > 1 && crates.iter().all(|name| *name == "calculus"), "{text}");
+    assert!(!listed("nothing").status.success());
+}

@@ -346,18 +346,6 @@ mod tests {
     }
 
     #[test]
-    fn a_rotation_that_is_not_found_is_told_as_that_of_the_body_that_turns_the_most() {
-        let text = "dimension = 3\nintegrator = \"variational-rotation\"\nstep = 1\nhorizon = 2\n\
-            bodies = [\n\
-            { name = \"slow\", mass = 1, box = [1, 2, 3], position = [9, 0, 0] },\n\
-            { name = \"fast\", mass = 1, box = [1, 2, 3], position = [0, 0, 0], \
-            angular_velocity = [1, 90, 1] }]";
-        let error = Scene::parse("a.toml", text).unwrap().run().unwrap_err();
-        let words = error.to_string();
-        assert!(words.contains("`fast` turns the most in it, by 90.01 radians"), "{words}");
-    }
-
-    #[test]
     fn a_rest_that_is_not_found_is_told_with_the_particle_that_is_farthest_from_it() {
         let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 1\nhorizon = 1\n\
             uniform_gravity = { acceleration = [0, -9.81] }\nparticles = [\n\

@@ -127,3 +127,13 @@ fn a_top_that_turns_too_far_in_a_step_is_named() {
     assert!(said.contains("top"), "{said}");
     assert_names(&said, &["step"]);
 }
+
+#[test]
+fn a_rotation_that_is_not_found_is_told_as_that_of_the_body_that_turns_the_most() {
+    let text = "dimension = 3\nintegrator = \"variational-rotation\"\nstep = 1\nhorizon = 2\n\
+        bodies = [\n\
+        { name = \"slow\", mass = 1, box = [1, 2, 3], position = [9, 0, 0] },\n\
+        { name = \"fast\", mass = 1, box = [1, 2, 3], position = [0, 0, 0], \
+        angular_velocity = [1, 90, 1] }]";
+    assert_names(&words(text), &["`fast` turns the most in it, by 90.01 radians"]);
+}

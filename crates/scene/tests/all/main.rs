@@ -6,6 +6,7 @@ mod bad_scenes;
 mod bodies;
 mod body_diagnostics;
 mod built;
+mod chains;
 mod chaotic_scenes;
 mod checkpoints;
 mod chosen_joints;
