@@ -59,8 +59,10 @@ pub(crate) const MET: f64 = 1e-13;
 const SMALL: f64 = 1e-6;
 /// The first bound on a turn, radians.
 const BOUND: f64 = 0.7;
-/// Searches of solids that overlap start from so many directions.
+/// Searches of solids that overlap start from so many directions; of those that do by a larger part of the smaller
+/// size, from all there are.
 const STARTS: usize = 16;
+const DEEP: f64 = 1e-3;
 /// Starts along the axis of a circle lean by so much, radians: there its farthest point is none.
 const LEAN: f64 = 1e-2;
 
@@ -116,7 +118,11 @@ pub(crate) fn separate(solids: [&Placed; 2], margin: f64) -> Option<Direction> {
         return None;
     }
     let mut best: Option<Top> = None;
-    for &(_, k) in order.iter().take(STARTS) {
+    let deep = -DEEP * a.size.min(b.size);
+    for (tried, &(_, k)) in order.iter().enumerate() {
+        if tried >= STARTS && best.is_some_and(|best| best.value - rounding > deep) {
+            break;
+        }
         let found = search.climb(starts[k]);
         if best.is_none_or(|best| found.value > best.value + ROUNDING * scale) {
             best = Some(found);
@@ -173,10 +179,11 @@ pub(crate) fn separate_point(solids: [&Placed; 2], point: usize, start: &V) -> S
     let scale = a.size + b.size + (b.centre - a.centre).norm();
     let search = Search { solids, scale };
     let Top { value, normal, .. } = search.climb(*start);
-    // Beside a rim the search begins elsewhere, and may end lower than where it was to begin.
+    // Of a point on a rim many directions are as good: that of the start stays. Beside a rim the search begins
+    // elsewhere, and may end lower than where it was to begin.
     let there = search.value(start);
-    let lower = there > value + ROUNDING * scale;
-    let (value, normal) = if lower { (there, *start) } else { (value, normal) };
+    let better = value > there + ROUNDING * scale;
+    let (value, normal) = if better { (value, normal) } else { (there, *start) };
     let place = solids[point].centre;
     let [first, second] = match point {
         0 => [place, place + normal * value],
