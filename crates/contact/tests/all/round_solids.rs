@@ -88,6 +88,33 @@ fn capsules_touch_by_both_ends_where_they_lie_and_by_one_point_where_they_cross(
     }
 }
 
+/// Rim beside rim a point alone has as good a gap along many directions; what lies side by side has one.
+#[test]
+fn cylinders_side_by_side_have_normals_across_their_axis_at_both_ends() {
+    let mut random = SplitMix64::new(29);
+    for case in 0..3_000 {
+        let turn = Rotation::exp(random_vector(&mut random) * 3.0);
+        let spin = |random: &mut SplitMix64| {
+            turn.compose(&Rotation::exp(V::z() * 3.0 * random.symmetric()))
+        };
+        let turns = [spin(&mut random), spin(&mut random)];
+        let [r1, r2] = [(); 2].map(|()| 10_f64.powf(2.0 * random.symmetric() - 2.0));
+        let origin = random_vector(&mut random) * 20.0;
+        let side = turns[1].rotate(&V::x());
+        let first = at(origin - side * (r1 + r2), turns[0]);
+        let cylinders = [r1, r2].map(|radius| Shape::cylinder(1.0, radius).unwrap());
+        let [one, other] = cylinders;
+        let below = Collider::fixed(at(origin, turns[1]), other);
+        let met = contacts(one, first, below, 1e-3 * r1.min(r2));
+        assert!(!met.is_empty(), "case {case}");
+        for contact in met {
+            let lean = contact.normal.dot(&turns[1].rotate(&V::z())).abs();
+            assert!(lean < 1e-10, "case {case}: leans by {lean:e}, gap {:e}", contact.gap);
+            assert!(contact.gap.abs() < 1e-12, "case {case}: {:e}", contact.gap);
+        }
+    }
+}
+
 #[test]
 fn flat_faces_of_cylinders_and_cones_touch_by_points_all_around() {
     let mut random = SplitMix64::new(2);
