@@ -179,10 +179,12 @@ pub(crate) fn separate_point(solids: [&Placed; 2], point: usize, start: &V) -> S
     let scale = a.size + b.size + (b.centre - a.centre).norm();
     let search = Search { solids, scale };
     let Top { value, normal, .. } = search.climb(*start);
-    // Of a point on a rim many directions are as good: that of the start stays. Beside a rim the search begins
-    // elsewhere, and may end lower than where it was to begin.
+    // Of a point on a rim many directions are as good: that of the start stays, unless its place on the other solid is
+    // another one. Beside a rim the search begins elsewhere, and may end lower than where it was to begin.
     let there = search.value(start);
-    let better = value > there + ROUNDING * scale;
+    let rounding = ROUNDING * scale;
+    let elsewhere = value.abs() * (normal - start).norm() > MET * scale;
+    let better = value > there + rounding || (elsewhere && value >= there - rounding);
     let (value, normal) = if better { (value, normal) } else { (there, *start) };
     let place = solids[point].centre;
     let [first, second] = match point {
