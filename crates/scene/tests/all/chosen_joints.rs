@@ -9,7 +9,7 @@ use stationary_scene::{Run, Scene};
 use crate::checkpoints::assert_resumes;
 use crate::moving_pins::{off_the_swung_pendulum, swung_beside_a_body};
 
-fn run(text: &str) -> Run {
+pub(crate) fn run(text: &str) -> Run {
     Scene::parse("a.toml", text)
         .unwrap_or_else(|error| panic!("{error}"))
         .run()
@@ -17,7 +17,7 @@ fn run(text: &str) -> Run {
 }
 
 /// What the energy's change and the works differ by, J.
-fn left(run: &Run) -> f64 {
+pub(crate) fn left(run: &Run) -> f64 {
     let energies = run.energies();
     let works: f64 = run.works().iter().map(|(_, work)| work).sum();
     (energies[energies.len() - 1] - energies[0] - works).abs()

@@ -5,22 +5,9 @@ use std::f64::consts::TAU;
 use stationary_scene::{Run, Scene};
 
 use crate::checkpoints::assert_resumes;
+use crate::chosen_joints::{left, run};
 
 const WORDS: [(&str, f64); 2] = [("event-driven-2", 2.0), ("event-driven-4", 4.0)];
-
-fn run(text: &str) -> Run {
-    Scene::parse("a.toml", text)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run()
-        .unwrap_or_else(|error| panic!("{error}"))
-}
-
-/// What the energy's change and the works differ by, J.
-fn left(run: &Run) -> f64 {
-    let energies = run.energies();
-    let works: f64 = run.works().iter().map(|(_, work)| work).sum();
-    (energies[energies.len() - 1] - energies[0] - works).abs()
-}
 
 /// Steps of order 4 of `y' = f(t, y)` until `gap(y)` is none, where the velocity along it is turned back by `hit`; the
 /// answer at multiples of a step. No step passes a corner.
