@@ -161,8 +161,9 @@ impl Face {
             outline.sort_by(|u, v| angle(u).total_cmp(&angle(v)));
             return Some(flat(Outline::Polygon(outline), normal, &corners[0]));
         }
-        let far = |x: &V| (x - top).norm();
-        let end = corners.iter().max_by(|x, y| far(x).total_cmp(&far(y)));
+        // The way that falls least is an edge: across a narrow face others are longer.
+        let fall = |x: &V| (top - x).dot(n) / (top - x).norm();
+        let end = corners.iter().min_by(|x, y| fall(x).total_cmp(&fall(y)));
         let (outline, slope) = match end {
             None => (vec![seen(&top)], U::zeros()),
             Some(end) => {
@@ -399,6 +400,31 @@ mod tests {
                     assert!(x.dot(&n) <= solid.farthest(&n).1 + 1e-12, "{case}: outside");
                 }
             }
+        }
+    }
+
+    /// A thin plate on its narrow side, which leans: along the direction what is level with a corner is an edge, and
+    /// the way across the narrow side, which is longer, falls by more than the disc is tilted.
+    #[test]
+    fn the_edge_of_a_thin_plate_faces_a_disc_where_it_crosses_the_rim() {
+        let (mut disc, mut plate) = (Placed::default(), Placed::default());
+        Solid::cylinder(1.0, 0.2).place(&Pose::IDENTITY, &mut disc);
+        let shape = Solid::polytope(&Polytope::cuboid([0.01, 1.0, 1.0]).unwrap());
+        for tilt in [1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11] {
+            let turned = Rotation::from_axis_angle(Vector::X, tilt)
+                * Rotation::from_axis_angle(Vector::Y, 0.06);
+            // Above the disc, its edge beside the middle.
+            let edge = turned * Vector::new(0.01, 0.0, -1.0);
+            let translation = Vector::new(0.1, 0.0, 1.001) - edge;
+            shape.place(&Pose { rotation: turned, translation }, &mut plate);
+            let direction = separate([&disc, &plate], f64::INFINITY).unwrap();
+            let found = facing_points([&disc, &plate], &direction);
+            let [x1, x2] = found.points;
+            let off = (x2 - x1 - found.normal * found.separation).norm();
+            let rim = -(0.2_f64.powi(2) - 0.1_f64.powi(2)).sqrt();
+            let [own, other] = [x1.y - rim, x2.y - rim];
+            assert!(off < 1e-15, "{tilt:e}: {off:e}");
+            assert!(own.abs().max(other.abs()) < 2.0 * tilt + 1e-6, "{tilt:e}: {own:e} {other:e}");
         }
     }
 }

@@ -16,7 +16,7 @@ use parry3d_f64::math::Pose;
 
 use crate::detect::facing_points::facing_points;
 use crate::detect::polytopes::{ON_SIDE, put_on_border};
-use crate::detect::separation::{Separation, separate, separate_point};
+use crate::detect::separation::{MET, Separation, separate, separate_point};
 use crate::detect::straight::Straight;
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::Facing;
@@ -163,20 +163,21 @@ pub(crate) fn facing(
         let flat = |shown: &Shown| shown.disc.filter(|_| shown.normal.cross(&n).norm() < FLAT_SINE);
         let level = |at: &V, reach: f64| (at.dot(&n) - reach).abs() <= BORDER * scale;
         let ends = [first.farthest(&n).1, -second.farthest(&-n).1];
-        let within = |at: &V, (centre, radius): (V, f64)| {
+        let on_disc = |at: V, shown: &Shown, (centre, radius): (V, f64)| {
             let way = at - centre;
-            (way - n * way.dot(&n)).norm() <= radius
+            let within = (way - n * way.dot(&n)).norm() <= radius;
+            within && way.dot(&shown.normal).abs() <= MET * scale
         };
         let shared = match (flat(one), flat(other)) {
             _ if there.met.is_some() => None,
             (Some(disc), _) => other
                 .closest(&disc.0, &n)
-                .filter(|at| level(at, ends[1]) && within(at, disc))
-                .map(|at| [at - n * separation, at]),
+                .map(|at| [at - n * separation, at])
+                .filter(|[on, at]| level(at, ends[1]) && on_disc(*on, one, disc)),
             (None, Some(disc)) => one
                 .closest(&disc.0, &n)
-                .filter(|at| level(at, ends[0]) && within(at, disc))
-                .map(|at| [at, at + n * separation]),
+                .map(|at| [at, at + n * separation])
+                .filter(|[at, on]| level(at, ends[0]) && on_disc(*on, other, disc)),
             (None, None) => None,
         };
         let closest = match shared {
