@@ -127,18 +127,23 @@ pub(crate) fn facing_points(solids: [&Placed; 2], direction: &Direction) -> Faci
 /// Points of what reaches farthest along a direction, as far from being across a separation as need be.
 fn across(solids: [&Placed; 2], n: V, separation: f64, scale: f64) -> Facing {
     let [a, b] = solids;
-    let facing = |tilted: f64| {
-        let ends = [ends_of(a, &n, LEVEL * scale, tilted), ends_of(b, &-n, LEVEL * scale, tilted)];
+    let facing = |[level, tilted]: [f64; 2]| {
+        let ends = [ends_of(a, &n, level * scale, tilted), ends_of(b, &-n, level * scale, tilted)];
         let points = nearest([&ends[0], &ends[1]], &n, &(n * separation), scale);
         let off = (points[1] - points[0] - n * separation).norm();
         Facing { separation, normal: n, points, off }
     };
-    let found = facing(TILTED);
-    if found.off <= MET * scale {
-        return found;
+    // Of ends that all but reach as far, rounding hides which way leads to those that do.
+    let [first, others @ ..] = [[LEVEL, TILTED], [LEVEL, 0.0], [MET, TILTED], [MET, 0.0]];
+    let mut found = facing(first);
+    for ends in others {
+        if found.off <= MET * scale {
+            break;
+        }
+        let other = facing(ends);
+        found = if other.off < found.off { other } else { found };
     }
-    let other = facing(0.0);
-    if other.off < found.off { other } else { found }
+    found
 }
 
 /// Points of two hulls of parts whose difference is nearest to a shift, beginning along a direction.
@@ -292,6 +297,34 @@ mod tests {
                 assert!(on_disc && on_edge && off < tolerance, "{tilt:e} {across} {off:e}");
             }
         }
+    }
+
+    /// The edge of a face leans towards a cylinder's side and along it, by 3e-10: they touch at the rim, which reaches
+    /// farther than the other one by less than a difference of points shows.
+    #[test]
+    fn an_edge_that_all_but_follows_the_side_of_a_cylinder_faces_it_at_the_rim() {
+        let mut cylinder = Placed::default();
+        Solid::cylinder(4.767502064361965e-6, 9.53884762526194e-6)
+            .place(&Pose::IDENTITY, &mut cylinder);
+        let corners = [
+            V::new(-9.002534220645164e-6, -3.1534095291124723e-6, 3.5888003280029404e-15),
+            V::new(-9.002534217897967e-6, -3.153409526099453e-6, 9.538847628850743e-6),
+            V::new(-1.2155943749164674e-5, 5.849124689839865e-6, 1.653370065833622e-15),
+            V::new(-1.7661983870622203e-5, -6.186643324601486e-6, 7.040833182533513e-15),
+        ];
+        let hull = Placed {
+            parts: corners.map(Part::Point).to_vec(),
+            faces: vec![V::new(0.9437758702750139, 0.33058600497698115, -3.762300644638561e-10)],
+            centre: corners[0],
+            size: corners[1].z,
+            ..Placed::default()
+        };
+        let direction = separate([&cylinder, &hull], 0.0).unwrap();
+        let found = facing_points([&cylinder, &hull], &direction);
+        let [x1, x2] = found.points;
+        let off = (x2 - x1 - found.normal * found.separation).norm();
+        assert!(off < 1e-20, "{off:e}");
+        assert!((x1.z - 4.767502064361965e-6).abs() < 1e-12, "{x1:?}");
     }
 
     /// Where edges, rims and sides meet on a curve, the top along it is found to rounding, however deep they overlap.

@@ -339,8 +339,11 @@ impl Referee {
             let n = unit(&exactly::<Twofold>(c.normal.into()))?;
             Some(separation([a, b], &n).value())
         };
-        let Some(bound) = own(closest) else { return Verdict::wrong("no normal") };
-        let best = self.best.max(bound);
+        if own(closest).is_none() {
+            return Verdict::wrong("no normal");
+        }
+        // Where gaps are equal to rounding, the normal of any of them proves the least.
+        let best = contacts.iter().filter_map(own).fold(self.best, f64::max);
         let mut verdict = Verdict::of((closest.gap - best).abs(), promised, "the least gap");
         for contact in contacts {
             let deep = (best - contact.gap).max(0.0);
