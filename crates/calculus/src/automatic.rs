@@ -17,7 +17,8 @@
 use num_dual::{Dual64, HyperDual64};
 
 use crate::{
-    Covector, Curvature, Number, Potential, Sink, Stencil, StencilHessian, project_semidefinite,
+    Covector, Curvature, Number, Potential, Sink, Stencil, StencilHessian, array,
+    project_semidefinite,
 };
 
 /// An energy of N freedoms, written once over any [`Number`].
@@ -76,7 +77,7 @@ impl<E: Energy<N>, const N: usize> Potential for Automatic<E, N> {
             let entry = self.0.energy(q).eps1eps2;
             (block[i][j], block[j][i]) = (entry, entry);
         }
-        hessian.add_symmetric(&std::array::from_fn::<usize, N, _>(|i| i), block.as_flattened());
+        hessian.add_symmetric(&array::<usize, N>(|i| i), block.as_flattened());
     }
 }
 
@@ -86,7 +87,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
 }
 
 fn coordinates<const N: usize>(q: &[f64]) -> [f64; N] {
-    std::array::from_fn(|i| q[i])
+    array(|i| q[i])
 }
 
 /// An energy of V vertices in D dimensions, written once over any [`Number`].
@@ -120,7 +121,7 @@ impl<E: StencilEnergy<V, D>, const V: usize, const D: usize> Stencil<V, D> for A
             x[a][c].eps = 1.0;
             self.0.energy(x).eps
         };
-        std::array::from_fn(|a| std::array::from_fn(|c| along(a, c)))
+        array(|a| array(|c| along(a, c)))
     }
 
     #[inline]

@@ -28,7 +28,7 @@
 use nalgebra::{DMatrix, SMatrix};
 use num_dual::{Dual2SVec64, Dual64, DualNum, DualSVec64, HyperDual64, Mappable};
 
-use crate::{Covector, Metric, SizeError, Vector};
+use crate::{Covector, Metric, SizeError, Vector, array};
 
 /// A real number or a dual number: what a function is written over to be differentiated.
 ///
@@ -45,7 +45,7 @@ pub fn directional_derivative<const N: usize, F: Mappable<Dual64>>(
     q: [f64; N],
     w: Vector<[f64; N]>,
 ) -> F::Output<f64> {
-    f(std::array::from_fn(|i| Dual64::new(q[i], w.0[i]))).map_dual(|f| f.eps)
+    f(array(|i| Dual64::new(q[i], w.0[i]))).map_dual(|f| f.eps)
 }
 
 /// The differential of a function with one number as its value: a covector.
@@ -82,7 +82,7 @@ pub fn second_differential<const N: usize, F: Mappable<HyperDual64>>(
     v: Vector<[f64; N]>,
     w: Vector<[f64; N]>,
 ) -> F::Output<f64> {
-    let q = std::array::from_fn(|i| HyperDual64::new(q[i], v.0[i], w.0[i], 0.0));
+    let q = array(|i| HyperDual64::new(q[i], v.0[i], w.0[i], 0.0));
     f(q).map_dual(|f| f.eps1eps2)
 }
 
@@ -91,7 +91,7 @@ pub fn hessian<const N: usize>(
     f: impl Fn([Dual2SVec64<N>; N]) -> Dual2SVec64<N>,
     q: [f64; N],
 ) -> SMatrix<f64, N, N> {
-    let q = std::array::from_fn(|i| Dual2SVec64::from_re(q[i]).derivative(i));
+    let q = array(|i| Dual2SVec64::from_re(q[i]).derivative(i));
     f(q).v2.0.unwrap_or_else(SMatrix::zeros)
 }
 
@@ -112,7 +112,7 @@ pub fn gradient<const N: usize>(
 
 /// The coordinates as dual numbers, each with an infinitesimal part of its own.
 fn dual<const N: usize>(q: [f64; N]) -> [DualSVec64<N>; N] {
-    std::array::from_fn(|i| DualSVec64::from_re(q[i]).derivative(i))
+    array(|i| DualSVec64::from_re(q[i]).derivative(i))
 }
 
 /// The infinitesimal parts of a number.

@@ -34,6 +34,7 @@
 //!
 //! The crate knows nothing of time, of meshes or of files.
 
+mod array;
 mod error;
 mod vectors;
 mod basis;
@@ -66,6 +67,7 @@ mod least_norm;
 mod newton_study;
 
 pub use angle::{angle, signed_angle};
+pub use array::array;
 pub use automatic::{Automatic, AutomaticStencil, Energy, StencilEnergy};
 pub use basis::{
     BasisError, BilinearForm, ChangeOfBasis, ContravariantTensor, LinearTransformation,

@@ -24,19 +24,17 @@ pub trait Parts: Sync {
     fn visit_all(&self, sink: &mut impl Sink);
 }
 
-/// Does two things: at the same time with the feature `threads`, else one after the other.
-#[inline]
-pub fn side_by_side<A: Send, B: Send>(
-    one: impl FnOnce() -> A + Send,
-    other: impl FnOnce() -> B + Send,
-) -> (A, B) {
+/// Does two things: at the same time with the feature `threads`, else one after the other. Both are asked by their
+/// address, so that what hands work to threads is compiled once.
+pub fn side_by_side(one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
     #[cfg(feature = "threads")]
     {
-        rayon::join(one, other)
+        rayon::join(one, other);
     }
     #[cfg(not(feature = "threads"))]
     {
-        (one(), other())
+        one();
+        other();
     }
 }
 
@@ -45,8 +43,8 @@ pub fn side_by_side<A: Send, B: Send>(
 pub fn in_parts<T: Send>(
     bounds: &[usize],
     values: &mut [T],
-    cut: &(impl Fn(usize) -> usize + Sync),
-    work: &(impl Fn(usize, usize, &mut [T]) + Sync),
+    cut: &(dyn Fn(usize) -> usize + Sync),
+    work: &(dyn Fn(usize, usize, &mut [T]) + Sync),
 ) {
     let Some(&first) = bounds.first() else { return };
     let place = cut(first);
@@ -58,8 +56,8 @@ fn share<T: Send>(
     part: usize,
     values: &mut [T],
     first: usize,
-    cut: &(impl Fn(usize) -> usize + Sync),
-    work: &(impl Fn(usize, usize, &mut [T]) + Sync),
+    cut: &(dyn Fn(usize) -> usize + Sync),
+    work: &(dyn Fn(usize, usize, &mut [T]) + Sync),
 ) {
     match bounds.len() {
         0 | 1 => {}
@@ -68,10 +66,9 @@ fn share<T: Send>(
             let half = (count - 1) / 2;
             let middle = cut(bounds[half]);
             let (low, high) = values.split_at_mut(middle - first);
-            side_by_side(
-                || share(&bounds[..=half], part, low, first, cut, work),
-                || share(&bounds[half..], part + half, high, middle, cut, work),
-            );
+            side_by_side(&mut || share(&bounds[..=half], part, low, first, cut, work), &mut || {
+                share(&bounds[half..], part + half, high, middle, cut, work)
+            });
         }
     }
 }

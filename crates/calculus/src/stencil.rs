@@ -9,7 +9,7 @@
 //!
 //! Freedoms are interleaved by vertex: component c of vertex a is freedom `D a + c`.
 
-use crate::{Covector, FIXED, Potential, Sink};
+use crate::{Covector, FIXED, Potential, Sink, array};
 
 /// A Hessian of V vertices in D dimensions, indexed `[b][d][a][c]`: the second derivative by
 /// component d of vertex b and component c of vertex a. Flattened, it is the matrix by columns.
@@ -89,7 +89,10 @@ impl<S: Stencil<V, D>, const V: usize, const D: usize> Stencils<S, V, D> {
 
     #[inline]
     fn gather(&self, vertices: &[usize; V], points: &[[f64; D]]) -> [[f64; D]; V] {
-        vertices.map(|v| if v < self.free { points[v] } else { self.fixed[v - self.free] })
+        array(|a| match vertices[a] {
+            v if v < self.free => points[v],
+            v => self.fixed[v - self.free],
+        })
     }
 }
 
@@ -131,11 +134,9 @@ impl<S: Stencil<V, D>, const V: usize, const D: usize> Potential for Stencils<S,
         for stencil in &self.stencils {
             let vertices = stencil.vertices();
             let block = stencil.hessian(&self.gather(&vertices, points), self.curvature);
-            let freedoms = vertices.map(|vertex| {
-                std::array::from_fn::<usize, D, _>(|c| {
-                    if vertex < self.free { D * vertex + c } else { FIXED }
-                })
-            });
+            let freedom =
+                |vertex: usize, c: usize| if vertex < self.free { D * vertex + c } else { FIXED };
+            let freedoms: [[usize; D]; V] = array(|a| array(|c| freedom(vertices[a], c)));
             hessian.add_vertices(&freedoms, &block);
         }
     }

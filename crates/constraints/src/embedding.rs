@@ -24,7 +24,7 @@ use std::cmp::Ordering;
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 use stationary_calculus::{
-    Covector, DenseMetric, DiagonalMetric, Energy, MetricError, Number, Vector,
+    Covector, DenseMetric, DiagonalMetric, Energy, MetricError, Number, Vector, array,
     directional_derivative, least_norm,
 };
 use stationary_integrators::{DiscreteLagrangian, Facts, Stability, VARIATIONAL};
@@ -78,7 +78,7 @@ impl<Q: Embedding<S, N>, E: Energy<N>, const S: usize, const N: usize> Reduced<Q
 
     /// The embedding's differential Dq, N x S.
     pub fn differential(&self, s: [f64; S]) -> SMatrix<f64, N, S> {
-        let columns: [[f64; N]; S] = std::array::from_fn(|i| {
+        let columns: [[f64; N]; S] = array(|i| {
             let mut along = [0.0; S];
             along[i] = 1.0;
             directional_derivative(|s| self.embedding.places(s), s, Vector(along))
@@ -96,7 +96,7 @@ impl<Q: Embedding<S, N>, E: Energy<N>, const S: usize, const N: usize> Reduced<Q
         let v = self.velocity(s, rate);
         let p = SMatrix::<f64, N, 1>::from_fn(|i, _| self.masses[i] * v.0[i]);
         let pulled = self.differential(s).transpose() * p;
-        Covector(std::array::from_fn(|i| pulled[i]))
+        Covector(array(|i| pulled[i]))
     }
 
     /// The pulled-back metric Dq^T M Dq at reduced coordinates. Takes memory.

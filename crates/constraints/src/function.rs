@@ -25,7 +25,7 @@
 //! ```
 
 use stationary_calculus::{
-    Flat, Number, Sink, SizeError, Vector, directional_derivative, second_differential,
+    Flat, Number, Sink, SizeError, Vector, array, directional_derivative, second_differential,
 };
 
 use crate::{
@@ -114,7 +114,7 @@ impl<F: Function<N, M>, const N: usize, const M: usize> Constraint for FunctionC
 
     fn differential(&self, t: f64, q: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
         let x = self.read(q)?;
-        let columns: [[f64; M]; N] = std::array::from_fn(|place| self.column(t, x, place));
+        let columns: [[f64; M]; N] = array(|place| self.column(t, x, place));
         for row in 0..M {
             for (column, &freedom) in columns.iter().zip(&self.freedoms) {
                 rows.add(row, freedom, column[row]);

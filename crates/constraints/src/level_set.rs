@@ -7,7 +7,7 @@
 //! A curve in space is a point on two surfaces. The differential must not vanish on the zero level:
 //! `|x|^2 - r^2` will do, `(|x| - r)^2` will not (notes 6).
 
-use stationary_calculus::{Flat, Number, Sink, SizeError};
+use stationary_calculus::{Flat, Number, Sink, SizeError, array};
 
 use crate::{Constraint, ConstraintOn, Function, FunctionConstraint, Rows, Scale};
 
@@ -43,7 +43,7 @@ pub struct LevelSet<L, const D: usize>(FunctionConstraint<Equation<L>, D, 1>);
 impl<L: Level<D>, const D: usize> LevelSet<L, D> {
     /// Keeps a vertex on the zero level of a function.
     pub fn new(vertex: usize, level: L) -> Self {
-        let freedoms = std::array::from_fn(|c| D.saturating_mul(vertex).saturating_add(c));
+        let freedoms = array(|c| D.saturating_mul(vertex).saturating_add(c));
         LevelSet(FunctionConstraint::of_distinct(Equation(level), freedoms))
     }
 }

@@ -25,7 +25,7 @@
 
 use std::sync::Arc;
 
-use stationary_calculus::first_non_finite;
+use stationary_calculus::{array, first_non_finite};
 
 use crate::elimination::{Elimination, Front, Update, WIDEST};
 use crate::entries::WeightedRows;
@@ -179,7 +179,7 @@ impl RankRevealing {
         }
         for &Update { row, from, len, to } in updates {
             let (row, from, to) = (&below[row as usize], from as usize, to as usize);
-            let row: [f64; W] = std::array::from_fn(|k| row[k] * own[k]);
+            let row: [f64; W] = array(|k| row[k] * own[k]);
             let others = below[from..].iter().take(len as usize);
             for (entry, other) in later[to..].iter_mut().zip(others) {
                 *entry = (0..W).fold(*entry, |entry, k| entry - row[k] * other[k]);

@@ -11,7 +11,7 @@
 //! the tension or thrust in newtons beyond which it breaks (notes 6.5). Source: notes 6; errata 6.5
 //! (tension of the square form).
 
-use stationary_calculus::{Flat, Sink, SizeError};
+use stationary_calculus::{Flat, Sink, SizeError, array};
 
 use crate::{
     Constraint, ConstraintError, ConstraintOn, Rows, Scale, check_multipliers, check_read,
@@ -166,7 +166,7 @@ impl<const D: usize, H: Hooks<D>> Rods<D, H> {
     #[inline]
     fn along(&self, t: f64, points: &[[f64; D]], rod: &Rod) -> [f64; D] {
         let [x, y] = rod.ends.map(|end| self.place(t, points, end));
-        std::array::from_fn(|c| y[c] - x[c])
+        array(|c| y[c] - x[c])
     }
 
     /// The free points, and those after them.

@@ -21,6 +21,7 @@ use crate::isotropic::{Isotropic, PrincipalCurvature, PrincipalTangent, others, 
 use crate::singular::singular;
 use crate::tensor::{cofactor, displacement_gradient, dot, growth, inner, product, twice_green};
 use crate::{ElasticityError, Lame, Material, Real};
+use stationary_calculus::array;
 
 /// The fixed corotated material of bodies that fill their space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,11 +119,7 @@ impl<const D: usize> Material<D, D> for FixedCorotated<D> {
             }
         }
         let (cofactor, pressure) = (cofactor(f), growth * self.lame.lambda());
-        std::array::from_fn(|k| {
-            std::array::from_fn(|i| {
-                difference[k][i] * (2.0 * self.lame.mu()) + cofactor[k][i] * pressure
-            })
-        })
+        array(|k| array(|i| difference[k][i] * (2.0 * self.lame.mu()) + cofactor[k][i] * pressure))
     }
 
     fn tangent<T: Real>(&self, f: &[[T; D]; D], weight: T) -> PrincipalTangent<T, D, D> {

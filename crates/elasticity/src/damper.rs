@@ -18,7 +18,7 @@
 //! ```
 //! which on a line is what it is everywhere else. Source: notes 10.1.1.
 
-use stationary_calculus::{Covector, FIXED, Force, Sink, UnknownVertex, Vector};
+use stationary_calculus::{Covector, FIXED, Force, Sink, UnknownVertex, Vector, array};
 
 use crate::{ElasticityError, SpringError};
 
@@ -77,7 +77,7 @@ impl<const D: usize> Dampers<D> {
     fn direction(&self, damper: &Damper, q: &[[f64; D]]) -> Option<[f64; D]> {
         let [from, to] =
             damper.vertices.map(|v| if v < self.free { q[v] } else { self.fixed[v - self.free] });
-        let apart: [f64; D] = std::array::from_fn(|c| to[c] - from[c]);
+        let apart: [f64; D] = array(|c| to[c] - from[c]);
         let square = apart.iter().map(|x| x * x).sum::<f64>();
         if !(SMALLEST_SQUARE..f64::INFINITY).contains(&square) {
             return far_from_one(apart);
@@ -117,7 +117,7 @@ impl<const D: usize> Force for Dampers<D> {
         for damper in &self.dampers {
             let u = self.direction(damper, q);
             let [from, to] = damper.vertices.map(|a| if a < self.free { v[a] } else { [0.0; D] });
-            let apart: [f64; D] = std::array::from_fn(|c| to[c] - from[c]);
+            let apart: [f64; D] = array(|c| to[c] - from[c]);
             let along = match u {
                 Some(u) => {
                     let rate: f64 = u.iter().zip(&apart).map(|(u, v)| u * v).sum();
@@ -143,9 +143,7 @@ impl<const D: usize> Force for Dampers<D> {
         for damper in &self.dampers {
             let u = self.direction(damper, q);
             let freedoms = damper.vertices.map(|vertex| {
-                std::array::from_fn::<usize, D, _>(|c| {
-                    if vertex < self.free { D * vertex + c } else { FIXED }
-                })
+                array::<usize, D>(|c| if vertex < self.free { D * vertex + c } else { FIXED })
             });
             let mut block = [[[[0.0; D]; 2]; D]; 2];
             for (b, columns) in block.iter_mut().enumerate() {
@@ -154,7 +152,7 @@ impl<const D: usize> Force for Dampers<D> {
                         let c = if a == b { damper.viscosity } else { -damper.viscosity };
                         *rows = match u {
                             Some(u) => u.map(|entry| c * entry * u[d]),
-                            None => std::array::from_fn(|row| if row == d { c } else { 0.0 }),
+                            None => array(|row| if row == d { c } else { 0.0 }),
                         };
                     }
                 }

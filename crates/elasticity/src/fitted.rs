@@ -11,7 +11,7 @@
 //! time: not for the inside of a step. Source: notes 2.1-2.4; the adjoint method after Lions (1971).
 
 use num_dual::{Dual64, HyperDual64};
-use stationary_calculus::Number;
+use stationary_calculus::{Number, array};
 
 use crate::group::deformation;
 use crate::{ElasticityError, Lanes, Material, Real, SaintVenantKirchhoff, Solid};
@@ -125,9 +125,7 @@ fn displacement_gradient<N: Number, const D: usize, const R: usize>(
 /// `F^T F - I = G + G^T + G^T G`, without cancellation near rest.
 fn twice_green<N: Number, const D: usize, const R: usize>(f: &[[N; D]; R]) -> [[N; R]; R] {
     let g = displacement_gradient(f);
-    std::array::from_fn(|k| {
-        std::array::from_fn(|l| (0..D).fold(g[k][l] + g[l][k], |sum, i| sum + g[k][i] * g[l][i]))
-    })
+    array(|k| array(|l| (0..D).fold(g[k][l] + g[l][k], |sum, i| sum + g[k][i] * g[l][i])))
 }
 
 /// `mu tr S^2 + lambda/2 (tr S)^2`.
@@ -161,9 +159,8 @@ impl<const D: usize> Fitted<D, D, 2> for Linear<D> {
     }
 
     fn density<N: Number>(parameters: &[N; 2], f: &[[N; D]; D]) -> N {
-        let strain: [[N; D]; D] = std::array::from_fn(|k| {
-            std::array::from_fn(|l| (f[k][l] + f[l][k]) * 0.5 - if k == l { 1.0 } else { 0.0 })
-        });
+        let strain: [[N; D]; D] =
+            array(|k| array(|l| (f[k][l] + f[l][k]) * 0.5 - if k == l { 1.0 } else { 0.0 }));
         quadratic(parameters, &strain)
     }
 }

@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use stationary_calculus::FIXED;
+use stationary_calculus::{FIXED, array};
 
 use crate::ElasticityError;
 
@@ -207,7 +207,7 @@ impl<const D: usize> Freedoms<D> {
     pub(crate) fn position(&self, start: u32, q: &[f64]) -> [f64; D] {
         let start = start as usize;
         match q.get(start..start + D) {
-            Some(position) => std::array::from_fn(|c| position[c]),
+            Some(position) => array(|c| position[c]),
             None => self.mixed_position(start, q),
         }
     }
@@ -286,9 +286,10 @@ impl<const D: usize> Freedoms<D> {
     pub(crate) fn freedoms(&self, start: u32) -> [usize; D] {
         let start = start as usize;
         if start < self.free {
-            std::array::from_fn(|c| start + c)
+            array(|c| start + c)
         } else {
-            self.numbering.mixed[start - self.free].map(|coordinate| match coordinate {
+            let coordinates = &self.numbering.mixed[start - self.free];
+            array(|c| match coordinates[c] {
                 Coordinate::Free(freedom) => freedom as usize,
                 Coordinate::Held(_) => FIXED,
             })

@@ -11,6 +11,7 @@
 //! as it is, for the step to report. Source: Teran et al. (2005).
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use stationary_calculus::array;
 
 use crate::{Real, Tangent};
 
@@ -22,7 +23,7 @@ impl<T: Real, const D: usize, const R: usize> FullTangent<T, D, R> {
     /// All entries of a tangent: its blocks between the reference directions.
     pub fn of(tangent: &impl Tangent<T, D, R>) -> Self {
         let unit = |k: usize| {
-            let direction = std::array::from_fn(|l| T::splat(if k == l { 1.0 } else { 0.0 }));
+            let direction = array(|l| T::splat(if k == l { 1.0 } else { 0.0 }));
             tangent.node(&direction)
         };
         let mut entries = [[[[T::splat(0.0); D]; R]; D]; R];
@@ -93,7 +94,7 @@ impl<T: Real, const D: usize, const R: usize> Tangent<T, D, R> for FullTangent<T
 
     #[inline(always)]
     fn block(&self, a: &Self::Node, b: &Self::Node) -> [[T; D]; D] {
-        std::array::from_fn(|j| crate::tensor::apply(&b.1[j], &a.0))
+        array(|j| crate::tensor::apply(&b.1[j], &a.0))
     }
 }
 

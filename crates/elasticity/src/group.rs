@@ -10,6 +10,7 @@
 use crate::lanes::LANES;
 use crate::shape::Point;
 use crate::{Freedoms, Lanes, Real};
+use stationary_calculus::array;
 
 /// Four elements side by side.
 #[derive(Clone, Debug)]
@@ -37,16 +38,14 @@ impl<const N: usize, const R: usize, const Q: usize> Group<N, R, Q> {
             let lane = |lane: usize| &pairs[lane.min(filled - 1)];
             let weight =
                 |l: usize, q: usize| if l < filled { lane(l).1[q].size * section } else { 0.0 };
-            let from_lanes = |of: &dyn Fn(usize) -> f64| Lanes::from(std::array::from_fn(of));
+            let from_lanes = |of: &dyn Fn(usize) -> f64| Lanes::from(array(of));
             Group {
-                nodes: std::array::from_fn(|l| lane(l).0.starts),
+                nodes: array(|l| lane(l).0.starts),
                 filled,
-                weights: std::array::from_fn(|q| from_lanes(&|l| weight(l, q))),
-                gradients: std::array::from_fn(|q| {
-                    std::array::from_fn(|a| {
-                        std::array::from_fn(|k| {
-                            from_lanes(&|l| lane(l).1[q].gradients[lane(l).0.places[a]][k])
-                        })
+                weights: array(|q| from_lanes(&|l| weight(l, q))),
+                gradients: array(|q| {
+                    array(|a| {
+                        array(|k| from_lanes(&|l| lane(l).1[q].gradients[lane(l).0.places[a]][k]))
                     })
                 }),
             }
@@ -69,7 +68,7 @@ impl<const N: usize, const R: usize, const Q: usize> Group<N, R, Q> {
                 *position = freedoms.position(nodes[a], q);
             }
             for c in 0..D {
-                x[a][c] = Lanes::from(std::array::from_fn(|lane| positions[lane][c]));
+                x[a][c] = Lanes::from(array(|lane| positions[lane][c]));
             }
         }
         for a in 1..N {
@@ -109,8 +108,8 @@ struct Order<const N: usize> {
 
 impl<const N: usize> Order<N> {
     fn of<const D: usize>(nodes: &[usize; N], freedoms: &Freedoms<D>) -> Self {
-        let mut places: [usize; N] = std::array::from_fn(|a| a);
+        let mut places: [usize; N] = array(|a| a);
         places.sort_by_key(|&a| nodes[a]);
-        Order { starts: places.map(|a| freedoms.start(nodes[a])), places }
+        Order { starts: array(|a| freedoms.start(nodes[places[a]])), places }
     }
 }

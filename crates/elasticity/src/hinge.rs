@@ -17,7 +17,9 @@
 //! Shells (2003).
 
 use num_dual::Dual64;
-use stationary_calculus::{Curvature, Number, Stencil, StencilHessian, project_semidefinite};
+use stationary_calculus::{
+    Curvature, Number, Stencil, StencilHessian, array, project_semidefinite,
+};
 use stationary_mesh::Mesh;
 
 use crate::ElasticityError;
@@ -139,7 +141,7 @@ struct Fold<R> {
 }
 
 fn minus<R: Number>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
+    array(|i| a[i] - b[i])
 }
 
 fn dot<R: Number>(a: &[R; 3], b: &[R; 3]) -> R {
@@ -147,7 +149,7 @@ fn dot<R: Number>(a: &[R; 3], b: &[R; 3]) -> R {
 }
 
 fn cross<R: Number>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
-    std::array::from_fn(|i| {
+    array(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         a[j] * b[k] - a[k] * b[j]
     })
@@ -178,7 +180,7 @@ impl<R: Number> Fold<R> {
         let of_right = self.right.0.map(|n| -n * self.edge / self.right.1);
         let [s, t] = self.feet;
         let one = R::from(1.0);
-        let end = |a: R, b: R| std::array::from_fn(|i| -(of_left[i] * a) - of_right[i] * b);
+        let end = |a: R, b: R| array(|i| -(of_left[i] * a) - of_right[i] * b);
         [end(one - s, one - t), end(s, t), of_left, of_right]
     }
 }

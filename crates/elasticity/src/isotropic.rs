@@ -19,6 +19,7 @@ use crate::eigen::{spectral, symmetric_eigen};
 use crate::singular::{Singular, singular};
 use crate::tensor::is_positive;
 use crate::{Real, Tangent};
+use stationary_calculus::array;
 
 /// A material whose energy depends on the stretches only, not on their directions.
 pub(crate) trait Isotropic<const R: usize> {
@@ -162,7 +163,7 @@ impl<T: Real, const D: usize, const R: usize> Tangent<T, D, R> for PrincipalTang
 
     #[inline(always)]
     fn node(&self, gradient: &[T; R]) -> [T; R] {
-        std::array::from_fn(|k| crate::tensor::dot(&self.right[k], gradient))
+        array(|k| crate::tensor::dot(&self.right[k], gradient))
     }
 
     #[inline(always)]

@@ -9,6 +9,7 @@
 //! a fused product is a library call.
 //! Not for numbers that carry derivatives: those are [`Number`](stationary_calculus::Number)s.
 
+use stationary_calculus::array;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
@@ -252,7 +253,7 @@ impl Real for Lanes {
     ) -> [Self; O] {
         let mut outputs = [Lanes::default(); O];
         for lane in 0..LANES {
-            let values = f(&std::array::from_fn(|i| inputs[i].lane(lane)));
+            let values = f(&array(|i| inputs[i].lane(lane)));
             for (output, value) in outputs.iter_mut().zip(values) {
                 output.set_lane(lane, value);
             }

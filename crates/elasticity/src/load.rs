@@ -8,7 +8,7 @@
 //! the energy is that of the free coordinates only. A traction that follows the surface has no
 //! potential here. A point load is added by hand: it belongs to a vertex and not to a shape.
 
-use stationary_calculus::{Covector, Potential, Sink};
+use stationary_calculus::{Covector, Potential, Sink, array};
 
 use crate::shape::{jacobian, visit_points};
 use crate::{ElasticityError, Elements, Freedoms, Reference};
@@ -98,8 +98,7 @@ impl<const D: usize> DeadLoad<D> {
             let nodes = mesh.corners(element);
             for ((l, _), point) in rule.iter().zip(points) {
                 let functions = F::functions(l);
-                let place =
-                    std::array::from_fn(|i| (0..N).map(|a| functions[a] * nodes[a][i]).sum());
+                let place = array(|i| (0..N).map(|a| functions[a] * nodes[a][i]).sum());
                 let density = force(&jacobian(&nodes, &F::gradients(l)), &place);
                 for (&node, n) in element.iter().zip(functions) {
                     for c in 0..D {
@@ -137,7 +136,7 @@ impl<const D: usize> DeadLoad<D> {
     /// [`ElasticityError::Load`] where the sum is not finite.
     pub fn plus(&self, other: &Self) -> Result<Self, ElasticityError> {
         self.freedoms.check_vertices(other.forces.len())?;
-        let sum = |(a, b): (&[f64; D], &[f64; D])| std::array::from_fn(|c| a[c] + b[c]);
+        let sum = |(a, b): (&[f64; D], &[f64; D])| array(|c| a[c] + b[c]);
         DeadLoad::new(&self.freedoms, self.forces.iter().zip(&other.forces).map(sum).collect())
     }
 
@@ -150,7 +149,7 @@ impl<const D: usize> DeadLoad<D> {
 /// The unit normal of a boundary piece with these tangents.
 fn normal<const D: usize, const R: usize>(columns: &[[f64; D]; R]) -> [f64; D] {
     let normal: [f64; D] = match R {
-        1 => std::array::from_fn(|i| if i == 0 { columns[0][1] } else { -columns[0][0] }),
+        1 => array(|i| if i == 0 { columns[0][1] } else { -columns[0][0] }),
         _ => crate::tensor::cross(&columns[0], &columns[1]),
     };
     let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -14,6 +14,7 @@
 
 use crate::tensor::{apply, dot, green};
 use crate::{ElasticityError, FullTangent, Material, Real, Tangent};
+use stationary_calculus::array;
 
 /// Moduli of a woven sheet in plane stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,10 +115,7 @@ impl<const D: usize> Material<D, 2> for Orthotropic {
         let warp = apply(&threads, &[s11, s12]);
         let weft = apply(&threads, &[s12, s22]);
         let [c, s] = self.warp;
-        [
-            std::array::from_fn(|i| warp[i] * c - weft[i] * s),
-            std::array::from_fn(|i| warp[i] * s + weft[i] * c),
-        ]
+        [array(|i| warp[i] * c - weft[i] * s), array(|i| warp[i] * s + weft[i] * c)]
     }
 
     #[inline(always)]
@@ -161,9 +159,8 @@ impl<T: Real, const D: usize> Tangent<T, D, 2> for OrthotropicTangent<T, D> {
     fn node(&self, gradient: &[T; 2]) -> OrthotropicNode<T, D> {
         let g = self.material.along_threads(gradient);
         let [warp, weft] = &self.threads;
-        let strain: [[T; 3]; D] = std::array::from_fn(|i| {
-            [warp[i] * g[0], weft[i] * g[1], warp[i] * g[1] + weft[i] * g[0]]
-        });
+        let strain: [[T; 3]; D] =
+            array(|i| [warp[i] * g[0], weft[i] * g[1], warp[i] * g[1] + weft[i] * g[0]]);
         let stress = strain.map(|s| self.material.stress_of(&s).map(|entry| entry * self.weight));
         OrthotropicNode { gradient: g, strain, stress }
     }
@@ -174,7 +171,7 @@ impl<T: Real, const D: usize> Tangent<T, D, 2> for OrthotropicTangent<T, D> {
         let on_b =
             [s11 * b.gradient[0] + s12 * b.gradient[1], s12 * b.gradient[0] + s22 * b.gradient[1]];
         let turned = dot(&a.gradient, &on_b);
-        let mut block = b.stress.map(|stress| std::array::from_fn(|i| dot(&a.strain[i], &stress)));
+        let mut block = b.stress.map(|stress| array(|i| dot(&a.strain[i], &stress)));
         for (j, column) in block.iter_mut().enumerate() {
             column[j] += turned;
         }

@@ -13,6 +13,7 @@
 //! The energy of a quadratic element has degree 4 and more, and is sampled. Source: notes 13.2
 //! (linear); Ciarlet (1978), section 4.1; Hammer and Stroud (1956).
 
+use stationary_calculus::array;
 use stationary_mesh::simplex_quadrature;
 
 /// A family of elements with `N` nodes, of `R` dimensions, integrated at `Q` points.
@@ -75,18 +76,18 @@ fn slope(corner: usize, k: usize) -> f64 {
 }
 
 fn linear_functions<const N: usize, const R: usize>(l: &[f64; R]) -> [f64; N] {
-    std::array::from_fn(|a| barycentric(l, a))
+    array(|a| barycentric(l, a))
 }
 
 fn linear_gradients<const N: usize, const R: usize>() -> [[f64; R]; N] {
-    std::array::from_fn(|a| std::array::from_fn(|k| slope(a, k)))
+    array(|a| array(|k| slope(a, k)))
 }
 
 fn quadratic_functions<const N: usize, const R: usize>(
     edges: &[[usize; 2]],
     l: &[f64; R],
 ) -> [f64; N] {
-    std::array::from_fn(|node| match node.checked_sub(R + 1) {
+    array(|node| match node.checked_sub(R + 1) {
         None => barycentric(l, node) * (2.0 * barycentric(l, node) - 1.0),
         Some(edge) => 4.0 * barycentric(l, edges[edge][0]) * barycentric(l, edges[edge][1]),
     })
@@ -96,8 +97,8 @@ fn quadratic_gradients<const N: usize, const R: usize>(
     edges: &[[usize; 2]],
     l: &[f64; R],
 ) -> [[f64; R]; N] {
-    std::array::from_fn(|node| {
-        std::array::from_fn(|k| match node.checked_sub(R + 1) {
+    array(|node| {
+        array(|k| match node.checked_sub(R + 1) {
             None => (4.0 * barycentric(l, node) - 1.0) * slope(node, k),
             Some(edge) => {
                 let [a, b] = edges[edge];
@@ -111,7 +112,7 @@ fn quadratic_gradients<const N: usize, const R: usize>(
 fn rule<const K: usize, const R: usize>(degree: usize) -> Vec<([f64; R], f64)> {
     let size = [1.0, 0.5, 1.0 / 6.0][R - 1];
     let points = simplex_quadrature::<K>(degree).into_iter();
-    points.map(|(l, weight)| (std::array::from_fn(|k| l[k + 1]), weight * size)).collect()
+    points.map(|(l, weight)| (array(|k| l[k + 1]), weight * size)).collect()
 }
 
 macro_rules! family {

@@ -20,6 +20,7 @@
 //! lowest, which is a good place for Newton's method to start from.
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use stationary_calculus::array;
 
 use crate::{DeadLoad, ElasticityError, Material, Solid};
 
@@ -109,7 +110,7 @@ impl<const D: usize> Piece<D> {
             let arm = in_space(&positions[vertex]) - point;
             let up = axis * axis.dot(&arm);
             let turned = point + up + (arm - up) * cosine + axis.cross(&arm) * sine;
-            positions[vertex] = std::array::from_fn(|i| turned[i]);
+            positions[vertex] = array(|i| turned[i]);
         }
     }
 }
@@ -326,7 +327,7 @@ const ROTATIONS: [&str; 3] = ["rotation about x", "rotation about y", "rotation 
 fn motions<const D: usize>(
     positions: impl Iterator<Item = [f64; D]> + Clone,
 ) -> (Vec<(&'static str, Motion<D>)>, [f64; D], f64) {
-    let extent: [[f64; 2]; D] = std::array::from_fn(|c| {
+    let extent: [[f64; 2]; D] = array(|c| {
         let coordinates = positions.clone().map(|x| x[c]);
         let low = coordinates.clone().fold(f64::INFINITY, f64::min);
         [low, coordinates.fold(f64::NEG_INFINITY, f64::max)]
@@ -335,7 +336,7 @@ fn motions<const D: usize>(
     let size = extent.iter().map(|[low, high]| high - low).fold(f64::MIN_POSITIVE, f64::max);
     let mut motions: Vec<(&'static str, Motion<D>)> = Vec::new();
     for c in 0..D {
-        let along: Motion<D> = Box::new(move |_| std::array::from_fn(|i| f64::from(i == c)));
+        let along: Motion<D> = Box::new(move |_| array(|i| f64::from(i == c)));
         motions.push((TRANSLATIONS[c], along));
     }
     let axes: &[(usize, usize, usize)] = match D {
@@ -345,7 +346,7 @@ fn motions<const D: usize>(
     };
     for &(axis, j, k) in axes {
         let about: Motion<D> = Box::new(move |x| {
-            std::array::from_fn(|i| match i {
+            array(|i| match i {
                 i if i == j => -(x[k] - middle[k]) / size,
                 i if i == k => (x[j] - middle[j]) / size,
                 _ => 0.0,

@@ -11,6 +11,7 @@
 //! frame of each element's own: right for isotropic materials, and for woven ones only if laid out
 //! in the plane. Source: notes 13.2, with the Jacobian of either shape (errata 13.2).
 
+use stationary_calculus::array;
 use stationary_mesh::{Mesh, MeshError, Places, Quadratic};
 
 use crate::tensor::{apply, cofactor, determinant, dot};
@@ -29,7 +30,7 @@ pub trait Elements<const G: usize, const N: usize> {
 
     /// The nodes of an element.
     fn corners(&self, element: &[usize; N]) -> [[f64; G]; N] {
-        element.map(|node| self.node(node))
+        array(|a| self.node(element[a]))
     }
 
     /// All nodes.
@@ -96,7 +97,10 @@ where
     let longest: f64 = map.iter().map(|column| dot(column, column).sqrt()).product();
     let size = if size.abs() <= FLAT * longest { 0.0 } else { size };
     let cofactor = cofactor(&map);
-    let gradients = slopes.map(|slope| apply(&cofactor, &slope).map(|entry| entry / size));
+    let gradients = slopes.map(|slope| {
+        let gradient = apply(&cofactor, &slope);
+        array(|k| gradient[k] / size)
+    });
     // So small that its gradients leave the range of numbers: flat.
     let is_finite = gradients.as_flattened().iter().all(|entry| entry.is_finite());
     Point { gradients, size: if is_finite { size } else { 0.0 } }
@@ -107,13 +111,11 @@ pub(crate) fn jacobian<const N: usize, const R: usize, const G: usize>(
     nodes: &[[f64; G]; N],
     slopes: &[[f64; R]; N],
 ) -> [[f64; G]; R] {
-    std::array::from_fn(|k| {
-        std::array::from_fn(|i| (1..N).map(|a| (nodes[a][i] - nodes[0][i]) * slopes[a][k]).sum())
-    })
+    array(|k| array(|i| (1..N).map(|a| (nodes[a][i] - nodes[0][i]) * slopes[a][k]).sum()))
 }
 
 fn square<const G: usize, const R: usize>(columns: &[[f64; G]; R]) -> [[f64; R]; R] {
-    std::array::from_fn(|k| std::array::from_fn(|i| columns[k][i]))
+    array(|k| array(|i| columns[k][i]))
 }
 
 /// The triangular factor of Gram and Schmidt: the columns by components along a frame of their own.

@@ -10,6 +10,8 @@
 //! where one stretch is far below another. The number of sweeps is bounded. What is not finite comes
 //! out as NaN. Source: Hestenes (1958); Demmel and Veselic (1992).
 
+use stationary_calculus::array;
+
 use crate::Real;
 use crate::eigen::{SWEEPS, frame_of, identity, rotate, rotation, spectral};
 use crate::tensor::{determinant, dot, gram, inner, product, scaled};
@@ -151,8 +153,8 @@ impl<T: Real, const D: usize, const R: usize> Singular<T, D, R> {
     #[cold]
     fn normalize_degenerate(&mut self) {
         for lane in 0..T::WIDTH {
-            let values = self.values.map(|value| value.lane(lane));
-            let mut left = self.left.map(|column| column.map(|entry| entry.lane(lane)));
+            let values: [f64; R] = array(|k| self.values[k].lane(lane));
+            let mut left: [[f64; D]; R] = array(|k| array(|i| self.left[k][i].lane(lane)));
             for k in 0..R {
                 if values[k] > NOTHING || values[k].is_nan() {
                     left[k] = left[k].map(|x| x / values[k]);

@@ -15,7 +15,9 @@
 //! inside out keep whatever energy the material gives them; they are listed by [`Solid::inverted`].
 //! Source: notes 12.1, 13.2, 13.3.
 
-use stationary_calculus::{Covector, Curvature, Parts, Potential, Sink, in_parts, side_by_side};
+use stationary_calculus::{
+    Covector, Curvature, Parts, Potential, Sink, array, in_parts, side_by_side,
+};
 
 use crate::division::Division;
 use crate::group::{Group, deformation};
@@ -171,12 +173,16 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     fn energy_of(&self, q: &[f64], groups: &[Group<N, R, Q>]) -> f64 {
         if groups.len() > ROW {
             let (one, other) = groups.split_at((groups.len() / 2).next_multiple_of(ROW));
-            let (one, other) = if self.division.is_whole() {
-                (self.energy_of(q, one), self.energy_of(q, other))
+            let [mut first, mut second] = [0.0; 2];
+            let (mut one, mut other) =
+                (|| first = self.energy_of(q, one), || second = self.energy_of(q, other));
+            if self.division.is_whole() {
+                one();
+                other();
             } else {
-                side_by_side(|| self.energy_of(q, one), || self.energy_of(q, other))
-            };
-            return one + other;
+                side_by_side(&mut one, &mut other);
+            }
+            return first + second;
         }
         let (mut sum, mut densities) = (Lanes::default(), [Lanes::default(); BATCH]);
         for groups in groups.chunks(BATCH / Q) {
@@ -228,10 +234,8 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
         sink: &mut impl Sink,
     ) {
         for (lane, nodes) in group.nodes.iter().enumerate().take(group.filled) {
-            let freedoms = nodes.map(|node| self.freedoms.freedoms(node));
-            sink.add_lower(&freedoms, |b, d, a| {
-                std::array::from_fn(|c| lanes[b][a][d][c].lane(lane))
-            });
+            let freedoms: [[usize; D]; N] = array(|a| self.freedoms.freedoms(nodes[a]));
+            sink.add_lower(&freedoms, |b, d, a| array(|c| lanes[b][a][d][c].lane(lane)));
         }
     }
 

@@ -13,7 +13,9 @@
 //! projected. The damping's own matrix is exact; its change with q is left to the next Newton step.
 //! Held coordinates count as resting. Source: notes 10.1.1; Rayleigh (1877).
 
-use stationary_calculus::{Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector};
+use stationary_calculus::{
+    Covector, Force, Metric, Potential, ProductSink, Scaled, Sink, Vector, array,
+};
 
 use crate::group::deformation;
 use crate::lane_hessian::{Accumulation, begin, complete};
@@ -130,9 +132,8 @@ impl<const N: usize, const D: usize, const R: usize, const Q: usize> StrainRate<
     ) -> [[Lanes; D]; R] {
         let f = deformation(x, gradients);
         let rate = deformation(u, gradients);
-        let strain: [[Lanes; R]; R] = std::array::from_fn(|k| {
-            std::array::from_fn(|l| (dot(&f[k], &rate[l]) + dot(&f[l], &rate[k])) * 0.5)
-        });
+        let strain: [[Lanes; R]; R] =
+            array(|k| array(|l| (dot(&f[k], &rate[l]) + dot(&f[l], &rate[k])) * 0.5));
         let pressure = trace(&strain) * weight * self.pair().lambda();
         let stress = scaled(&strain, weight * (2.0 * self.pair().mu()));
         product(&f, &shifted(stress, pressure))

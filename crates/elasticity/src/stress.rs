@@ -15,6 +15,7 @@
 //! Zienkiewicz and Taylor, The Finite Element Method (2005); Barlow (1976).
 
 use nalgebra::DMatrix;
+use stationary_calculus::array;
 
 use crate::lanes::LANES;
 use crate::shape::visit_points;
@@ -66,7 +67,7 @@ where
         }
     })?;
     let average = |(sum, weight): ([[f64; D]; D], f64)| {
-        if weight > 0.0 { sum.map(|column| column.map(|entry| entry / weight)) } else { sum }
+        if weight > 0.0 { array(|j| array(|i| sum[j][i] / weight)) } else { sum }
     };
     let stresses: Vec<[[f64; D]; D]> = sums.into_iter().map(average).collect();
     let is_bad = |stress: &[[f64; D]; D]| stress.as_flattened().iter().any(|x| !x.is_finite());
@@ -84,14 +85,13 @@ fn shares<const N: usize, const D: usize, const Q: usize>(
 ) -> [[f64; Q]; N] {
     /// Directions in which the points spread less than this part of the most are none.
     const SPREAD: f64 = 1e-9;
-    let middle: [f64; D] =
-        std::array::from_fn(|i| points.iter().map(|l| l[i]).sum::<f64>() / Q as f64);
+    let middle: [f64; D] = array(|i| points.iter().map(|l| l[i]).sum::<f64>() / Q as f64);
     // An average, and slopes that least squares take from where the points are.
     let apart = DMatrix::from_fn(Q, D, |q, i| points[q][i] - middle[i]);
     let spread = apart.amax();
     let slopes = apart.pseudo_inverse(SPREAD * spread).unwrap_or_else(|_| DMatrix::zeros(D, Q));
-    std::array::from_fn(|a| {
-        std::array::from_fn(|q| {
+    array(|a| {
+        array(|q| {
             let slope: f64 = (0..D).map(|i| (nodes[a][i] - middle[i]) * slopes[(i, q)]).sum();
             1.0 / Q as f64 + slope
         })
@@ -103,9 +103,7 @@ fn deformation<const N: usize, const D: usize>(
     nodes: &[[f64; D]; N],
     gradients: &[[f64; D]; N],
 ) -> [[f64; D]; D] {
-    std::array::from_fn(|k| {
-        std::array::from_fn(|i| (1..N).map(|a| (nodes[a][i] - nodes[0][i]) * gradients[a][k]).sum())
-    })
+    array(|k| array(|i| (1..N).map(|a| (nodes[a][i] - nodes[0][i]) * gradients[a][k]).sum()))
 }
 
 /// Cauchy's stress of a material at F, by columns, Pa. Not finite where F is singular, unless the law
@@ -120,12 +118,10 @@ fn pushed_forward<M: Material<D, R>, const D: usize, const R: usize>(
     f: &[[f64; D]; R],
 ) -> [[f64; D]; D] {
     if M::SMALL_DISPLACEMENTS && D == R {
-        return std::array::from_fn(|j| p[j]);
+        return array(|j| p[j]);
     }
     let volume = stretch(f);
-    std::array::from_fn(|j| {
-        std::array::from_fn(|i| (0..R).map(|k| p[k][i] * f[k][j]).sum::<f64>() / volume)
-    })
+    array(|j| array(|i| (0..R).map(|k| p[k][i] * f[k][j]).sum::<f64>() / volume))
 }
 
 /// J: the determinant of F where it is square, else what a length or an area is stretched by.
@@ -156,9 +152,8 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
                 let f = group::deformation(&x, gradients);
                 let p = self.material().stress(&f);
                 for (lane, (sum, weights)) in sums.iter_mut().enumerate().take(group.filled) {
-                    let of_lane = |lanes: &[[Lanes; D]; R]| {
-                        lanes.map(|column| column.map(|entry| entry.lane(lane)))
-                    };
+                    let of_lane =
+                        |lanes: &[[Lanes; D]; R]| array(|k| array(|i| lanes[k][i].lane(lane)));
                     let stress = pushed_forward::<M, D, R>(&of_lane(&p), &of_lane(&f));
                     let weight = weight.lane(lane);
                     *weights += weight;
@@ -169,9 +164,8 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
                     }
                 }
             }
-            let mean = |(sum, weights): &([[f64; D]; D], f64)| {
-                sum.map(|column| column.map(|entry| entry / weights))
-            };
+            let mean =
+                |(sum, weights): &([[f64; D]; D], f64)| array(|j| array(|i| sum[j][i] / weights));
             all.extend(sums[..group.filled].iter().map(mean));
         }
         Ok(all)

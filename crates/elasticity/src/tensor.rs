@@ -5,6 +5,7 @@
 //! ```
 
 use crate::Real;
+use stationary_calculus::array;
 
 /// The inner product.
 #[inline(always)]
@@ -117,10 +118,10 @@ pub(crate) fn cofactor<T: Real, const D: usize>(f: &[[T; D]; D]) -> [[T; D]; D] 
     const { assert!(1 <= D && D <= 3, "space has one, two or three dimensions") };
     match D {
         1 => [[T::splat(1.0); D]; D],
-        2 => std::array::from_fn(|k| {
+        2 => array(|k| {
             let other = &f[1 - k];
             let sign = if k == 0 { 1.0 } else { -1.0 };
-            std::array::from_fn(|i| if i == 0 { other[1] * sign } else { other[0] * -sign })
+            array(|i| if i == 0 { other[1] * sign } else { other[0] * -sign })
         }),
         _ => {
             let mut columns = *f;

@@ -15,7 +15,7 @@
 //! symplectic map whatever L_d is: see [`Variational`](crate::Variational).
 //! Source: notes 5.4, 5.5; errata 5.5 and conventions; Marsden and West (2001).
 
-use stationary_calculus::{Covector, Number, directional_derivative, second_differential};
+use stationary_calculus::{Covector, Number, array, directional_derivative, second_differential};
 
 use crate::lagrangian::{ALONG, FIRST, SECOND};
 use crate::{
@@ -86,7 +86,7 @@ fn differential<L: DiscreteLagrangian<N> + ?Sized, const N: usize>(
     end: End,
     scale: f64,
 ) -> Covector<[f64; N]> {
-    Covector(std::array::from_fn(|i| {
+    Covector(array(|i| {
         let along = |[s]: [_; 1]| shifted(lagrangian, ends, h, [(end, i, s)]);
         let derivative: f64 = directional_derivative(along, [0.0], ALONG);
         scale * derivative

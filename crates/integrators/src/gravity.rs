@@ -8,7 +8,7 @@
 //! `q_i` positions in D dimensions, `m_i` masses; `M_k` masses that stay at `X_k`. The last two are singular
 //! where particles meet: the energy there is not finite, and a step that arrives there is an error.
 
-use stationary_calculus::{Covector, Potential, Sink};
+use stationary_calculus::{Covector, Potential, Sink, array};
 
 /// A uniform field on particles.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +75,7 @@ impl<const D: usize> Potential for CentralGravity<D> {
     #[inline]
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
         let block = attraction_hessian(self.strength, leading::<D>(q));
-        hessian.add_symmetric(&std::array::from_fn::<_, D, _>(|i| i), block.as_flattened());
+        hessian.add_symmetric(&array::<_, D>(|i| i), block.as_flattened());
     }
 }
 
@@ -97,7 +97,7 @@ impl<const D: usize> NewtonianGravity<D> {
         let q = &q.as_chunks::<D>().0[..self.masses.len()];
         for (i, (qi, mi)) in q.iter().zip(&self.masses).enumerate() {
             for (j, (qj, mj)) in q.iter().zip(&self.masses).enumerate().take(i) {
-                let apart = std::array::from_fn(|c| qi[c] - qj[c]);
+                let apart = array(|c| qi[c] - qj[c]);
                 visit(i, j, self.constant * mi * mj, apart);
             }
         }
@@ -108,7 +108,7 @@ impl<const D: usize> NewtonianGravity<D> {
     fn for_fixed(&self, q: &[f64], mut visit: impl FnMut(usize, f64, [f64; D])) {
         for (mk, xk) in &self.fixed {
             for (i, (qi, mi)) in q.as_chunks::<D>().0.iter().zip(&self.masses).enumerate() {
-                visit(i, self.constant * mi * mk, std::array::from_fn(|c| qi[c] - xk[c]));
+                visit(i, self.constant * mi * mk, array(|c| qi[c] - xk[c]));
             }
         }
     }
@@ -158,16 +158,13 @@ impl<const D: usize> Potential for NewtonianGravity<D> {
                     }
                 }
             }
-            let freedoms = [i, j].map(|v| std::array::from_fn::<_, D, _>(|c| D * v + c));
+            let freedoms = [i, j].map(|v| array::<_, D>(|c| D * v + c));
             let pair = pair.as_flattened().as_flattened().as_flattened();
             hessian.add_symmetric(freedoms.as_flattened(), pair);
         });
         self.for_fixed(q, |i, strength, apart| {
             let block = attraction_hessian(strength, &apart);
-            hessian.add_symmetric(
-                &std::array::from_fn::<_, D, _>(|c| D * i + c),
-                block.as_flattened(),
-            );
+            hessian.add_symmetric(&array::<_, D>(|c| D * i + c), block.as_flattened());
         });
     }
 }

@@ -16,7 +16,7 @@
 
 use stationary_calculus::{
     Covector, DenseLu, FunctionEquation, Newton, NewtonError, Number, SizeError, Unsolvable,
-    Vector, directional_derivative, first_non_finite, second_differential,
+    Vector, array, directional_derivative, first_non_finite, second_differential,
 };
 
 use crate::integrator::newton_memory;
@@ -28,7 +28,7 @@ pub trait Lagrangian<const N: usize> {
 
     /// The momentum `dL/dv`.
     fn momentum(&self, q: [f64; N], v: Vector<[f64; N]>) -> Covector<[f64; N]> {
-        Covector(std::array::from_fn(|i| {
+        Covector(array(|i| {
             let along = |[s]: [_; 1]| self.value(constant(q), moved(v.0, i, s));
             directional_derivative(along, [0.0], ALONG)
         }))
@@ -36,7 +36,7 @@ pub trait Lagrangian<const N: usize> {
 
     /// The differential `dL/dq` at a fixed velocity.
     fn differential(&self, q: [f64; N], v: Vector<[f64; N]>) -> Covector<[f64; N]> {
-        Covector(std::array::from_fn(|i| {
+        Covector(array(|i| {
             let along = |[s]: [_; 1]| self.value(moved(q, i, s), constant(v.0));
             directional_derivative(along, [0.0], ALONG)
         }))
@@ -142,7 +142,7 @@ impl<L: Lagrangian<N>, const N: usize> EulerLagrange<L, N> {
     /// Row i of `d2L/dvdq v`: how the momentum changes where q moves along v and v stays.
     fn momentum_along_the_motion(&self, q: [f64; N], v: Vector<[f64; N]>, i: usize) -> f64 {
         let both = |[s, t]: [_; 2]| {
-            let q = std::array::from_fn(|k| t * v.0[k] + q[k]);
+            let q = array(|k| t * v.0[k] + q[k]);
             self.lagrangian.value(q, moved(v.0, i, s))
         };
         second_differential(both, [0.0; 2], FIRST, SECOND)
@@ -165,7 +165,7 @@ impl<L: Lagrangian<N>, const N: usize> EulerLagrange<L, N> {
         }
         let newton = Newton::default();
         let mut memory = newton_memory::<[f64; N]>(N, newton)?;
-        let at = |v: &[f64]| Vector(std::array::from_fn(|i| v[i]));
+        let at = |v: &[f64]| Vector(array(|i| v[i]));
         let residual = |v: &[f64], f: &mut [f64]| {
             let momentum = self.lagrangian.momentum(q, at(v));
             (0..N).for_each(|i| f[i] = momentum.0[i] - p.0[i]);

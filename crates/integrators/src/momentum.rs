@@ -11,7 +11,7 @@
 //! A drift is judged against the sums of the magnitudes, `sum |p_i|` and `sum |q_i| |p_i|`: that is
 //! what rounding scales with. Source: notes 4.5, 8.3.
 
-use stationary_calculus::{Covector, Vector};
+use stationary_calculus::{Covector, Vector, array};
 
 use crate::{State, Symmetry};
 
@@ -50,7 +50,7 @@ impl<const D: usize> Rotation<D> {
     /// `w x q`.
     fn turn(&self, q: &[f64; D]) -> [f64; D] {
         let (w, q) = (self.axis, in_space(q));
-        std::array::from_fn(|c| {
+        array(|c| {
             let (a, b) = ((c + 1) % 3, (c + 2) % 3);
             w[a] * q[b] - w[b] * q[a]
         })
@@ -77,17 +77,17 @@ impl<const D: usize> Symmetry for Rotation<D> {
 }
 
 fn in_space<const D: usize>(x: &[f64; D]) -> [f64; 3] {
-    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
+    array(|c| x.get(c).copied().unwrap_or(0.0))
 }
 
 fn unit<const D: usize>(axis: usize) -> [f64; D] {
-    std::array::from_fn(|c| if c == axis { 1.0 } else { 0.0 })
+    array(|c| if c == axis { 1.0 } else { 0.0 })
 }
 
 /// The linear momentum of particles in D dimensions.
 pub fn linear_momentum<const D: usize>(state: &State<impl AsRef<[f64]>>) -> [f64; D] {
     let along = |c| Translation::<D> { direction: unit(c) };
-    std::array::from_fn(|c| along(c).momentum(state.q.as_ref(), state.p.view()))
+    array(|c| along(c).momentum(state.q.as_ref(), state.p.view()))
 }
 
 /// The sum of the particles' `|p_i|`, against which a drift of linear momentum is judged.
@@ -99,7 +99,7 @@ pub fn linear_momentum_scale<const D: usize>(state: &State<impl AsRef<[f64]>>) -
 /// space: along the third axis in the plane, zero on a line.
 pub fn angular_momentum<const D: usize>(state: &State<impl AsRef<[f64]>>) -> [f64; 3] {
     let about = |c| Rotation::<D> { axis: unit(c) };
-    std::array::from_fn(|c| about(c).momentum(state.q.as_ref(), state.p.view()))
+    array(|c| about(c).momentum(state.q.as_ref(), state.p.view()))
 }
 
 /// The sum of `|q_i| |p_i|`, against which a drift of angular momentum is judged.

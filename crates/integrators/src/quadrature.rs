@@ -13,7 +13,7 @@
 //! Source: notes 5.4, 5.5; errata 5 ("trapezoid rule comes out of the recipe" is wrong, and so is
 //! `p = M (q1 - q0)/h` for the midpoint).
 
-use stationary_calculus::Number;
+use stationary_calculus::{Number, array};
 
 use crate::{Damping, DiscreteLagrangian, Facts, Lagrangian, Stability, VARIATIONAL};
 
@@ -47,12 +47,12 @@ pub struct Sampled<L> {
 
 impl<L: Lagrangian<N>, const N: usize> DiscreteLagrangian<N> for Sampled<L> {
     fn value<R: Number>(&self, q0: [R; N], q1: [R; N], h: f64) -> R {
-        let v: [R; N] = std::array::from_fn(|i| (q1[i] - q0[i]) / h);
+        let v: [R; N] = array(|i| (q1[i] - q0[i]) / h);
         let at = |q| self.lagrangian.value(q, v);
         match self.quadrature {
             Quadrature::Start => at(q0),
             Quadrature::End => at(q1),
-            Quadrature::Middle => at(std::array::from_fn(|i| (q0[i] + q1[i]) * 0.5)),
+            Quadrature::Middle => at(array(|i| (q0[i] + q1[i]) * 0.5)),
             Quadrature::Ends => (at(q0) + at(q1)) * 0.5,
         }
     }

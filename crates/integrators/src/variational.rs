@@ -21,7 +21,7 @@
 
 use stationary_calculus::{
     Covector, DenseLu, DenseSink, Equation, Force, Newton, NewtonError, NewtonFailure,
-    NewtonMemory, SizeError, Unsolvable, Vector,
+    NewtonMemory, SizeError, Unsolvable, Vector, array,
 };
 
 use crate::discrete_lagrangian::{End, add_second_differential};
@@ -146,8 +146,8 @@ impl<L: DiscreteLagrangian<N>, F: Force, const N: usize> StepEquation<L, F, N> {
 
     /// The middle of the step, and the velocity there.
     fn middle(&self, q1: &[f64]) -> (f64, [f64; N], Vector<[f64; N]>) {
-        let q = std::array::from_fn(|i| 0.5 * (self.q0[i] + q1[i]));
-        let v = std::array::from_fn(|i| (q1[i] - self.q0[i]) / self.h);
+        let q = array(|i| 0.5 * (self.q0[i] + q1[i]));
+        let v = array(|i| (q1[i] - self.q0[i]) / self.h);
         (self.t + 0.5 * self.h, q, Vector(v))
     }
 
@@ -179,7 +179,7 @@ impl<L: DiscreteLagrangian<N>, F: Force, const N: usize> StepEquation<L, F, N> {
 
 impl<L: DiscreteLagrangian<N>, F: Force, const N: usize> Equation for StepEquation<L, F, N> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) {
-        let q1 = std::array::from_fn(|i| x[i]);
+        let q1 = array(|i| x[i]);
         let p = self.lagrangian.momentum_before(self.q0, q1, self.h);
         let force = self.half_of_the_force(x);
         for (i, f) in f.iter_mut().enumerate() {
@@ -189,7 +189,7 @@ impl<L: DiscreteLagrangian<N>, F: Force, const N: usize> Equation for StepEquati
     }
 
     fn solve(&mut self, x: &[f64], f: &mut [f64]) -> Result<(), Unsolvable> {
-        let q1 = std::array::from_fn(|i| x[i]);
+        let q1 = array(|i| x[i]);
         let matrix = self.lu.matrix();
         matrix.fill(0.0);
         let (ends, rows) = ([self.q0, q1], (End::First, End::Last));

@@ -14,7 +14,7 @@
 //! 1993.
 
 use nalgebra::{SVector, Vector3};
-use stationary_calculus::{Curvature, Stencil, StencilHessian};
+use stationary_calculus::{Curvature, Stencil, StencilHessian, array};
 use stationary_mesh::{IntrinsicSurface, Mesh, MeshError, Places, Simplex};
 
 use crate::LaplacianError;
@@ -76,11 +76,11 @@ impl<const K: usize> Stencil<K, 1> for Element<K> {
             let others = (0..K).filter(|&j| j != i);
             others.map(|j| self.weights[i][j] * (f[j][0] - f[i][0])).sum()
         };
-        std::array::from_fn(|i| [row(i)])
+        array(|i| [row(i)])
     }
 
     fn hessian(&self, _: &[[f64; 1]; K], _: Curvature) -> StencilHessian<K, 1> {
-        std::array::from_fn(|i| [self.weights[i].map(|w| [w])])
+        array(|i| [self.weights[i].map(|w| [w])])
     }
 }
 
@@ -109,7 +109,7 @@ where
         let numbered = mesh.simplices().iter().zip(mesh.measures());
         let element = |(simplex, measure): (&[usize; K], f64)| {
             let (corners, size) = (mesh.corners(simplex), measure.abs());
-            let corners: [_; K] = std::array::from_fn(|k| in_space(&corners[k]));
+            let corners: [_; K] = array(|k| in_space(&corners[k]));
             Element::new(*simplex, size, |i, j| weight(&corners, size, i, j))
         };
         Ok(Elements { vertices: mesh.vertices().len(), elements: numbered.map(element).collect() })

@@ -14,7 +14,7 @@
 //! Source: notes 14.1, whose remark on rotations is wrong: errata 14.1.
 
 use nalgebra::DMatrix;
-use stationary_calculus::{FIXED, Metric, Potential, SizeError};
+use stationary_calculus::{FIXED, Metric, Potential, SizeError, array};
 
 use crate::{Linearized, ModalError, dense};
 
@@ -52,8 +52,7 @@ impl RigidMotions {
         places: &[[f64; D]],
     ) -> Result<Self, ModalError> {
         SizeError::check("the vertices' components", system.dim(), places.len() * D)?;
-        let freedoms: Vec<[usize; D]> =
-            (0..places.len()).map(|v| std::array::from_fn(|c| v * D + c)).collect();
+        let freedoms: Vec<[usize; D]> = (0..places.len()).map(|v| array(|c| v * D + c)).collect();
         RigidMotions::of_freedoms(system, places, &freedoms)
     }
 
@@ -151,9 +150,8 @@ fn check_freedoms<const D: usize>(
 
 /// Translations and rotations about the middle, in what is free of them.
 fn candidates<const D: usize>(n: usize, places: &[[f64; D]], freedoms: &[[usize; D]]) -> Vec<f64> {
-    let middle: [f64; D] = std::array::from_fn(|c| {
-        places.iter().map(|x| x[c]).sum::<f64>() / places.len().max(1) as f64
-    });
+    let middle: [f64; D] =
+        array(|c| places.iter().map(|x| x[c]).sum::<f64>() / places.len().max(1) as f64);
     let mut columns = Vec::new();
     let mut add = |motion: &dyn Fn(&[f64; D]) -> [f64; D]| {
         let start = columns.len();
@@ -167,7 +165,7 @@ fn candidates<const D: usize>(n: usize, places: &[[f64; D]], freedoms: &[[usize;
         }
     };
     for c in 0..D {
-        add(&|_| std::array::from_fn(|d| if d == c { 1.0 } else { 0.0 }));
+        add(&|_| array(|d| if d == c { 1.0 } else { 0.0 }));
     }
     for (b, c) in (0..D).flat_map(|b| (b + 1..D).map(move |c| (b, c))) {
         add(&|x| {

@@ -15,7 +15,7 @@
 //! in which some turn is long goes through the library's sine instead.
 
 use nalgebra::Vector3;
-use stationary_calculus::{SizeError, first_non_finite};
+use stationary_calculus::{SizeError, array, first_non_finite};
 use stationary_integrators::StepError;
 
 use crate::error::check_finite;
@@ -53,7 +53,7 @@ pub struct BodyStore {
 
 #[inline]
 fn each(f: impl Fn(usize) -> f64) -> Lanes {
-    std::array::from_fn(f)
+    array(f)
 }
 
 impl Group {

@@ -14,7 +14,7 @@
 //! Computer Aided Kinematics and Dynamics, 3; notes 6, 7.
 
 use nalgebra::Vector2;
-use stationary_calculus::DiagonalMetric;
+use stationary_calculus::{DiagonalMetric, array};
 
 use crate::{PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight, RigidError};
 
@@ -86,7 +86,7 @@ impl FourBar {
     }
 
     fn joined(&self, centres: [Vector2<f64>; 3], angles: [f64; 3]) -> [f64; 9] {
-        std::array::from_fn(|k| match k % 3 {
+        array(|k| match k % 3 {
             2 => angles[k / 3],
             c => centres[k / 3][c],
         })

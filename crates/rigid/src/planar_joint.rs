@@ -20,7 +20,7 @@ mod drive;
 mod row;
 
 use nalgebra::Vector2;
-use stationary_calculus::{FIXED, Flat, Sink, SizeError};
+use stationary_calculus::{FIXED, Flat, Sink, SizeError, array};
 use stationary_constraints::{
     Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
 };
@@ -264,7 +264,7 @@ fn bring(
 
 /// The freedoms of both ends.
 fn pair_freedoms(ends: &[PlanarEnd; 2]) -> [usize; 6] {
-    std::array::from_fn(|k| ends[k / 3].body.map_or(FIXED, |body| 3 * body + k % 3))
+    array(|k| ends[k / 3].body.map_or(FIXED, |body| 3 * body + k % 3))
 }
 
 /// The longest arm, metres.

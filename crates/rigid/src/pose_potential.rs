@@ -34,7 +34,7 @@
 use std::marker::PhantomData;
 
 use stationary_calculus::{
-    Covector, Number, Potential, PotentialOn, Sink, Vector, directional_derivative,
+    Covector, Number, Potential, PotentialOn, Sink, Vector, array, directional_derivative,
     second_differential,
 };
 
@@ -120,7 +120,7 @@ impl<S: BodySpace, E: PoseEnergy<B>, const B: usize> PosePotential<S, E, B> {
 
     /// The energy where freedoms are moved by infinitesimal numbers.
     fn moved<R: Number>(&self, poses: &[PoseOf<f64>; B], moves: &[(usize, R)]) -> R {
-        let bodies = std::array::from_fn(|body| {
+        let bodies = array(|body| {
             let mut by = [R::from(0.0); SIX];
             for &(freedom, move_by) in moves {
                 if freedom / SIX == body {

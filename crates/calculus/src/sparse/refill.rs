@@ -11,7 +11,7 @@ use crate::parts::in_parts;
 use crate::sink::from_lower;
 use crate::sparse::pattern::{Pattern, Visit};
 use crate::sparse::visit::{Corner, MIXED, NOWHERE, Run, Shape, stored};
-use crate::{FIXED, Parts, Sink, StencilHessian};
+use crate::{FIXED, Parts, Sink, StencilHessian, array};
 
 /// Adds blocks to the values of a matrix.
 #[derive(Debug)]
@@ -161,8 +161,8 @@ impl<'a> RefillSink<'a> {
                 } else if freedoms[a][0] > freedoms[b][0] {
                     add_block(values, at, lengths[b], weight, |d| column(b, d, a));
                 } else {
-                    let columns: [[f64; D]; D] = std::array::from_fn(|d| column(b, d, a));
-                    let row = |d: usize| columns.map(|column| column[d]);
+                    let columns: [[f64; D]; D] = array(|d| column(b, d, a));
+                    let row = |d: usize| array::<_, D>(|c| columns[c][d]);
                     add_block(values, at, lengths[a], weight, row);
                 }
             }

@@ -11,7 +11,7 @@
 
 use crate::sparse::SparseError;
 use crate::sparse::pattern::Pattern;
-use crate::{FIXED, Parts, Sink, StencilHessian};
+use crate::{FIXED, Parts, Sink, StencilHessian, array};
 
 /// A slot that is none: a fixed freedom has no place.
 pub(crate) const NOWHERE: u32 = u32::MAX;
@@ -150,7 +150,7 @@ impl PatternSink {
     fn add_corners<const V: usize, const D: usize>(&mut self, freedoms: &[[usize; D]; V]) {
         let all = freedoms.as_flattened();
         self.check(all, all.len() * all.len());
-        let corners = freedoms.map(|freedoms| Corner::of(&freedoms));
+        let corners: [_; V] = array(|a| Corner::of(&freedoms[a]));
         if self.error.is_some() || corners.contains(&None) {
             return self.add_freedoms(all);
         }

@@ -4,6 +4,7 @@
 
 use super::{RodProblem, check_finite, hanging};
 use crate::{ConstraintError, Rod, Rods};
+use stationary_calculus::array;
 
 /// A square with its five or six rods.
 pub type Square = RodProblem<[f64; 8]>;
@@ -22,7 +23,7 @@ pub fn square(diagonals: usize, spin: f64, drift: [f64; 2]) -> Result<Square, Co
     check_finite("spin", spin)?;
     drift.into_iter().try_for_each(|component| check_finite("drift", component))?;
     let q: [f64; 8] = [-0.5, -0.5, 0.5, -0.5, 0.5, 0.5, -0.5, 0.5];
-    let p = std::array::from_fn(|i| {
+    let p = array(|i| {
         let (x, y) = (q[i - i % 2], q[i - i % 2 + 1]);
         drift[i % 2] + spin * [-y, x][i % 2]
     });

@@ -5,6 +5,7 @@
 //! ```
 //! Each question looks at each collider: for many rays and bodies a hierarchy of the caller's own is cheaper.
 
+use stationary_calculus::array;
 use stationary_rigid::LieGroup;
 
 use crate::error::{check_finite, check_length};
@@ -46,9 +47,8 @@ impl<G: Dimension> DetectorIn<G> {
         direction: G::Vector,
         longest: f64,
     ) -> Result<Option<RayHitIn<G>>, ContactError> {
-        let numbers = |v: &G::Vector| -> [f64; 3] {
-            std::array::from_fn(|k| if k < G::TRANSLATION { v[k] } else { 0.0 })
-        };
+        let numbers =
+            |v: &G::Vector| -> [f64; 3] { array(|k| if k < G::TRANSLATION { v[k] } else { 0.0 }) };
         check_finite("the start of a ray", &numbers(&start))?;
         let length = G::dot(&direction, &direction).sqrt();
         check_length("ray", "direction", length)?;

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector2;
 use parry2d_f64::math::Pose;
-use stationary_calculus::{DiagonalMetric, Flat};
+use stationary_calculus::{DiagonalMetric, Flat, array};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
 use crate::detect::planar_narrow_phase::{facing, facing_parts};
@@ -141,7 +141,7 @@ impl Dimension for Planar {
     }
 
     fn scales(metric: &DiagonalMetric<Vec<f64>>) -> Vec<[f64; 3]> {
-        let root = |inertia: &[f64]| std::array::from_fn(|f| inertia[f].sqrt().recip());
+        let root = |inertia: &[f64]| array(|f| inertia[f].sqrt().recip());
         metric.masses().chunks_exact(3).map(root).collect()
     }
 

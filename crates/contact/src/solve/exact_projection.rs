@@ -7,7 +7,7 @@
 //! where sweeps would pass momentum on from contact to contact. The cost grows with the cube of the
 //! contacts that push, so that larger islands are left to the sweeps. See [`crate::project`].
 
-use stationary_calculus::Vector;
+use stationary_calculus::{Vector, array};
 
 use crate::impact::Lifting;
 use crate::impact::projection::Projector;
@@ -59,7 +59,7 @@ impl<G: Dimension> FreeMotion<'_, G> {
         for ((contact, x), &push) in island.contacts.iter().zip(x).zip(&projector.impulses) {
             let mut to = [0.0; D];
             to[0] = push;
-            contact.push(&std::array::from_fn(|k| to[k] - x[k]), &mut sweeps.w);
+            contact.push(&array(|k| to[k] - x[k]), &mut sweeps.w);
             *x = to;
         }
         Ok(true)

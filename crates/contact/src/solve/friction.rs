@@ -18,6 +18,7 @@
 //! one contact after another.
 
 use crate::solve::rigid_contact::{Compliance, RigidContact};
+use stationary_calculus::array;
 
 impl<const F: usize, const D: usize> RigidContact<F, D> {
     /// Changes the impulses of this contact to what the others leave to it; says by how much.
@@ -33,11 +34,11 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         let Compliance { normal_mass, coupling, .. } = self.compliance;
         let push = (x[0] - rates[0] * normal_mass).max(0.0) - x[0];
         let radius = self.friction * (x[0] + push);
-        let mut change = x.map(|x| -x);
+        let mut change: [f64; D] = array(|k| -x[k]);
         if radius > 0.0 {
             (1..D).for_each(|k| rates[k] += coupling[k] * push);
             let rubbed = self.rub(x, rates, radius);
-            change = std::array::from_fn(|k| rubbed[k] - x[k]);
+            change = array(|k| rubbed[k] - x[k]);
         }
         change[0] = push;
         change
@@ -54,7 +55,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         if tangent_mass[1][1] > 0.0 && square_across(&stuck) <= radius * radius {
             return stuck;
         }
-        disc(std::array::from_fn(|k| x[k] - rates[k] * across_mass), radius)
+        disc(array(|k| x[k] - rates[k] * across_mass), radius)
     }
 
     /// The energy of a change of impulses, J.
@@ -76,9 +77,8 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
     pub(crate) fn residuals(&self, x: &[f64; D], w: &[[f64; F]]) -> [f64; 2] {
         let rates = self.rates(w);
         let Compliance { normal, across, across_mass, .. } = self.compliance;
-        let wanted: [f64; D] =
-            disc(std::array::from_fn(|k| x[k] - rates[k] * across_mass), self.friction * x[0]);
-        let off = square_across(&std::array::from_fn::<_, D, _>(|k| x[k] - wanted[k]));
+        let wanted: [f64; D] = disc(array(|k| x[k] - rates[k] * across_mass), self.friction * x[0]);
+        let off = square_across(&array::<_, D>(|k| x[k] - wanted[k]));
         [(normal * x[0]).min(rates[0]).abs(), off.sqrt() * across]
     }
 }

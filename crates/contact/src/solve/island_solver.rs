@@ -11,6 +11,8 @@
 use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
+use stationary_calculus::array;
+
 use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::{FreeMotion, Room};
 use crate::solve::friction::into_cone;
@@ -156,7 +158,7 @@ where
         self.pack::<G>(members, free.points, free.bias, states)?;
         self.x.clear();
         for (&i, directions) in members.iter().zip(&self.directions) {
-            let guess = directions.map(|direction| G::dot(&impulses[i], &direction));
+            let guess: [f64; D] = array(|k| G::dot(&impulses[i], &directions[k]));
             // The normal may have turned since: a guess pulls no more than any impulse does.
             self.x.push(into_cone(guess, free.points[i].friction));
         }
@@ -248,7 +250,7 @@ where
             }
         }
         let w = &mut self.sweeps.w;
-        bodies.iter().for_each(|&body| w[body] = w[body].map(|w| part * w));
+        bodies.iter().for_each(|&body| w[body] = array(|f| part * w[body][f]));
         Ok(())
     }
 

@@ -23,6 +23,7 @@ use crate::solve::block_cholesky::{Block, BlockCholesky};
 use crate::solve::friction::{disc, square_across};
 use crate::solve::rigid_contact::{RigidContact, dot};
 use crate::solve::sweeps::Island;
+use stationary_calculus::array;
 
 /// The most steps of Newton's method.
 const NEWTONS: usize = 8;
@@ -80,10 +81,10 @@ impl<const D: usize> Answer<D> {
         let mass = &contact.compliance;
         let across = firm * mass.across_mass;
         let radius = contact.friction * a[0];
-        let wanted: [f64; D] = std::array::from_fn(|k| a[k] - rates[k] * across);
+        let wanted: [f64; D] = array(|k| a[k] - rates[k] * across);
         let length = square_across(&wanted).sqrt();
         let scale = if length > radius { radius / length } else { 1.0 };
-        let mut x = wanted.map(|x| x * scale);
+        let mut x: [f64; D] = array(|k| wanted[k] * scale);
         x[0] = (a[0] - rates[0] * firm * mass.normal_mass).max(0.0);
         Answer { x, wanted, length, radius }
     }
@@ -105,7 +106,7 @@ impl<const D: usize> Answer<D> {
         }
         // What slides answers across its sliding alone.
         let across = across * self.radius / self.length;
-        let along = self.wanted.map(|wanted| wanted / self.length);
+        let along: [f64; D] = array(|k| self.wanted[k] / self.length);
         for (k, row) in stiff.iter_mut().enumerate().skip(1) {
             for (l, stiff) in row.iter_mut().enumerate().skip(1) {
                 *stiff = -across * along[k] * along[l];
@@ -176,7 +177,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         self.from.extend(island.bodies.iter().map(|&body| w[body]));
         self.base.clear();
         for (contact, x) in island.contacts.iter().zip(x) {
-            contact.push(&x.map(|x| -x), w);
+            contact.push(&array(|k| -x[k]), w);
         }
         self.base.extend(island.bodies.iter().map(|&body| w[body]));
         give(island, &self.from, w);
@@ -222,8 +223,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
                 continue;
             }
             changed = true;
-            let more =
-                std::array::from_fn(|k| std::array::from_fn(|l| stiffness[k][l] - before[k][l]));
+            let more = array(|k| array(|l| stiffness[k][l] - before[k][l]));
             for (side, &number) in numbers.iter().enumerate() {
                 let Some(number) = number else { continue };
                 let rows = contact.rows(side);
@@ -256,7 +256,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
             let mut sum = along + part * own;
             for (k, contact) in island.contacts.iter().enumerate() {
                 let (u, turn) = (&self.rates[k], &self.turn[k]);
-                let u = std::array::from_fn(|k| u[k] + part * turn[k]);
+                let u = array(|k| u[k] + part * turn[k]);
                 let x = Answer::of(contact, &self.centre[k], u, self.firm).x;
                 sum -= (0..D).map(|k| x[k] * turn[k]).sum::<f64>();
             }
@@ -274,7 +274,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
             let to = Answer::of(contact, &self.centre[k], self.rates[k], self.firm).x;
             let u = contact.rates(w);
             let from = &self.centre[k];
-            let change: [f64; D] = std::array::from_fn(|k| to[k] - from[k]);
+            let change: [f64; D] = array(|k| to[k] - from[k]);
             slope += (0..D).map(|k| u[k] * change[k]).sum::<f64>();
             self.turn.push(change);
         }
@@ -282,7 +282,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
             contact.push(change, w);
         }
         let changed = |(&body, from): (&usize, &[f64; F])| {
-            let change: [f64; F] = std::array::from_fn(|f| w[body][f] - from[f]);
+            let change: [f64; F] = array(|f| w[body][f] - from[f]);
             dot(&change, &change)
         };
         let curve: f64 = island.bodies.iter().zip(&self.from).map(changed).sum();
@@ -290,9 +290,9 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         give(island, &self.from, w);
         for (k, (contact, x)) in island.contacts.iter().zip(x).enumerate() {
             let a = self.centre[k];
-            let to: [f64; D] = std::array::from_fn(|c| a[c] + part * self.turn[k][c]);
+            let to: [f64; D] = array(|c| a[c] + part * self.turn[k][c]);
             *x = disc(to, contact.friction * to[0]);
-            contact.push(&std::array::from_fn(|c| x[c] - a[c]), w);
+            contact.push(&array(|c| x[c] - a[c]), w);
         }
     }
 }
@@ -344,7 +344,7 @@ fn stiff<const F: usize, const D: usize>(
         }
         (1..D).map(|l| stiffness[k][l] * rows[l][f]).sum()
     };
-    std::array::from_fn(|k| std::array::from_fn(|f| of(k, f)))
+    array(|k| array(|f| of(k, f)))
 }
 
 /// `block += row^T column`

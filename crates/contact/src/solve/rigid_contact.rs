@@ -13,6 +13,7 @@
 
 use crate::solve::body_state::BodyState;
 use crate::{ContactError, ContactIn, Dimension};
+use stationary_calculus::array;
 
 /// A contact, packed: F freedoms of a body, D directions, the normal first.
 #[derive(Clone, Copy, Debug)]
@@ -115,7 +116,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
                 for (k, direction) in directions.iter().enumerate() {
                     let row = G::row(&state.frame, &arm, &(*direction * sign));
                     contact.offset[k] += dot(&row, &state.velocity);
-                    contact.rows[side][k] = std::array::from_fn(|f| row[f] * state.scale[f]);
+                    contact.rows[side][k] = array(|f| row[f] * state.scale[f]);
                 }
                 if state.moves() {
                     contact.bodies[side] = body;
@@ -133,7 +134,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
     #[inline]
     pub(crate) fn rates(&self, w: &[[f64; F]]) -> [f64; D] {
         let (a, b) = (&w[self.bodies[0]], &w[self.bodies[1]]);
-        std::array::from_fn(|k| self.rate(k, a, b))
+        array(|k| self.rate(k, a, b))
     }
 
     #[inline]
@@ -165,7 +166,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
     /// How much the rates change with these changes of the bodies' velocities.
     #[inline]
     pub(crate) fn pull(&self, a: &[f64; F], b: &[f64; F]) -> [f64; D] {
-        std::array::from_fn(|k| dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+        array(|k| dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
     }
 
     /// Gives the bodies impulses.

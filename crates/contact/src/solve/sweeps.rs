@@ -14,6 +14,8 @@
 //! no friction exceeds its reach. A pile that nearly rests takes steps of far smaller `e`; one
 //! that leaves more than before is taken back (see [`Sweeps::rest`]).
 
+use stationary_calculus::array;
+
 use crate::solve::proximal::Proximal;
 use crate::solve::rigid_contact::RigidContact;
 
@@ -134,7 +136,8 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         }
         let part = (-work / square).clamp(0.0, 1.0);
         x.iter_mut().flatten().for_each(|x| *x *= part);
-        island.bodies.iter().for_each(|&body| self.w[body] = self.w[body].map(|w| part * w));
+        let w = &mut self.w;
+        island.bodies.iter().for_each(|&body| w[body] = array(|f| part * w[body][f]));
         true
     }
 

@@ -9,7 +9,7 @@
 //! The shape is that of an equality, the type is not: [`Inequality`] reads a constraint's functions
 //! as gaps. `x` centres in D dimensions, `r` radii, `n` unit normals, lengths in metres.
 
-use stationary_calculus::{Sink, SizeError, Vector};
+use stationary_calculus::{Sink, SizeError, Vector, array};
 use stationary_constraints::{Constraint, Rows, check_multipliers, check_read, check_values};
 
 use crate::error::check_finite;
@@ -171,12 +171,12 @@ impl<const D: usize> Balls<D> {
 
     /// From the centre of a fixed ball, and how far.
     fn away_from_fixed(&self, q: &[f64], ball: usize, fixed: &FixedBall<D>) -> ([f64; D], f64) {
-        let d: [f64; D] = std::array::from_fn(|k| q[D * ball + k] - fixed.centre[k]);
+        let d: [f64; D] = array(|k| q[D * ball + k] - fixed.centre[k]);
         (d, norm(&d))
     }
 
     fn apart(&self, q: &[f64], [a, b]: [usize; 2]) -> ([f64; D], f64) {
-        let d: [f64; D] = std::array::from_fn(|k| q[D * b + k] - q[D * a + k]);
+        let d: [f64; D] = array(|k| q[D * b + k] - q[D * a + k]);
         (d, norm(&d))
     }
 }
@@ -189,7 +189,7 @@ fn norm(x: &[f64]) -> f64 {
 fn shortest_between<const D: usize>(d: &[f64; D], s: &[f64; D]) -> Option<f64> {
     let along: f64 = d.iter().zip(s).map(|(d, s)| -d * s).sum();
     let part = along / s.iter().map(|s| s * s).sum::<f64>();
-    let there: [f64; D] = std::array::from_fn(|k| d[k] + part * s[k]);
+    let there: [f64; D] = array(|k| d[k] + part * s[k]);
     (part > 0.0 && part < 1.0).then(|| norm(&there))
 }
 
@@ -213,7 +213,7 @@ impl<const D: usize> Swept for Balls<D> {
         let (singles, pairs) = past_walls.split_at_mut(self.radii.len() * self.fixed.len());
         for ((ball, fixed), lowest) in self.against_fixed().zip(singles) {
             let (d, _) = self.away_from_fixed(q, ball, fixed);
-            let s = std::array::from_fn(|k| displacement.0[D * ball + k]);
+            let s = array(|k| displacement.0[D * ball + k]);
             if let Some(nearest) = shortest_between(&d, &s) {
                 *lowest = lowest.min(nearest - (self.radii[ball] + fixed.radius));
             }
@@ -290,7 +290,7 @@ impl<const D: usize> Constraint for Balls<D> {
         let (singles, pairs) = lambda.split_at(self.radii.len() * self.fixed.len());
         for ((ball, fixed), &lambda) in self.against_fixed().zip(singles) {
             let (d, distance) = self.away_from_fixed(q, ball, fixed);
-            let freedoms: [usize; D] = std::array::from_fn(|k| D * ball + k);
+            let freedoms: [usize; D] = array(|k| D * ball + k);
             let block: Vec<f64> =
                 (0..D * D).map(|at| bent(&d, distance, lambda, at % D, at / D)).collect();
             hessian.add_symmetric(&freedoms, &block);

@@ -12,6 +12,7 @@ use crate::{
     DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, Material, Reference, Solid,
     Statics, lumped_mass,
 };
+use stationary_calculus::array;
 
 /// Displacement in plane waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,13 +30,13 @@ impl<const D: usize> PlaneWaves<D> {
 
     /// The displacement, m.
     pub fn displacement(&self, x: &[f64; D]) -> [f64; D] {
-        std::array::from_fn(|i| self.amplitude * self.phase(i, x).sin())
+        array(|i| self.amplitude * self.phase(i, x).sin())
     }
 
     /// The deformation gradient, by columns.
     pub fn gradient(&self, x: &[f64; D]) -> [[f64; D]; D] {
-        std::array::from_fn(|k| {
-            std::array::from_fn(|i| {
+        array(|k| {
+            array(|i| {
                 let slope = self.amplitude * self.waves[i][k] * self.phase(i, x).cos();
                 slope + if i == k { 1.0 } else { 0.0 }
             })
@@ -44,7 +45,7 @@ impl<const D: usize> PlaneWaves<D> {
 
     /// The force per volume that goes with it, N/m^3.
     pub fn force(&self, lame: &Lame<D>, x: &[f64; D]) -> [f64; D] {
-        std::array::from_fn(|j| {
+        array(|j| {
             let square: f64 = self.waves[j].iter().map(|k| k * k).sum();
             let u = self.displacement(x);
             let spread: f64 = (0..D).map(|i| self.waves[i][i] * self.waves[i][j] * u[i]).sum();
@@ -81,7 +82,7 @@ where
 {
     let exact = |x: &[f64; D]| -> [f64; D] {
         let u = waves.displacement(x);
-        std::array::from_fn(|c| x[c] + u[c])
+        array(|c| x[c] + u[c])
     };
     let nodes = mesh.nodes();
     let on_boundary = |x: &[f64; D]| x.iter().any(|&x| x == 0.0 || x == 1.0);
@@ -116,15 +117,14 @@ where
 {
     let rule = F::rule(2 * F::DEGREE + 4);
     let mut squares = [[0.0; 2]; 2];
-    let rest: [[f64; D]; D] =
-        std::array::from_fn(|k| std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
+    let rest: [[f64; D]; D] = array(|k| array(|i| if i == k { 1.0 } else { 0.0 }));
     for element in mesh.elements() {
         let corners = mesh.corners(element);
         for (l, weight) in &rule {
             let functions = F::functions(l);
             let at = point::<F, N, D, Q, D>(&corners, l);
             let sum = |of: &dyn Fn(usize) -> f64| (0..N).map(of).sum::<f64>();
-            let x: [f64; D] = std::array::from_fn(|c| sum(&|a| functions[a] * corners[a][c]));
+            let x: [f64; D] = array(|c| sum(&|a| functions[a] * corners[a][c]));
             let u = waves.displacement(&x);
             let gradient = waves.gradient(&x);
             let mut error = rest;

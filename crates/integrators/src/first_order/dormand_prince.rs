@@ -28,7 +28,7 @@ mod coefficients;
 mod last_step;
 mod stages;
 
-use stationary_calculus::Storage;
+use stationary_calculus::{Storage, array};
 
 use super::error_scale::ErrorScale;
 use super::first_step::guess_step;
@@ -214,7 +214,7 @@ fn sixteenth_root(x: f64) -> f64 {
 fn finish<C: Storage>(next: &mut [f64], y: &[f64], h: f64, k: &[C; 13], [e5, e3]: [&mut [f64]; 2]) {
     let n = next.len();
     let (y, e5, e3) = (&y[..n], &mut e5[..n], &mut e3[..n]);
-    let k: [&[f64]; 8] = std::array::from_fn(|j| &k[WEIGHTED[j] - 1].as_ref()[..n]);
+    let k: [&[f64]; 8] = array(|j| &k[WEIGHTED[j] - 1].as_ref()[..n]);
     for i in 0..n {
         let (mut slope, mut fifth) = (B[0] * k[0][i], E5[0] * k[0][i]);
         for j in 1..8 {

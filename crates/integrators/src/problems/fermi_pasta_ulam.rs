@@ -14,7 +14,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 
-use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
+use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System, array};
 
 use super::{Problem, ProblemError, SmallProblem, within};
 use crate::State;
@@ -32,7 +32,7 @@ impl AlternatingSprings {
         let pairs = |x: &[f64; 6]| [x[1] - x[0], x[3] - x[2], x[5] - x[4]];
         let (stretch, rate) = (pairs(&state.q), pairs(&state.p.0));
         let stiffness = self.frequency * self.frequency;
-        std::array::from_fn(|i| 0.25 * (rate[i] * rate[i] + stiffness * stretch[i] * stretch[i]))
+        array(|i| 0.25 * (rate[i] * rate[i] + stiffness * stretch[i] * stretch[i]))
     }
 
     /// How far each of the four soft springs is stretched.

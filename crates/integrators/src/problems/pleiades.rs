@@ -9,7 +9,7 @@
 //! Differential Equations I, II.10; Mazzia, Magherini, Test Set for Initial Value Problem Solvers,
 //! release 2.4, part II.
 
-use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System, array};
 
 use super::{Problem, ProblemError, SmallProblem};
 use crate::{NewtonianGravity, State};
@@ -41,15 +41,15 @@ const AT_THREE: [[f64; 2]; 7] = [
 /// # Errors
 /// None: all its numbers are given.
 pub fn pleiades() -> Result<SmallProblem<NewtonianGravity<2>, 14>, ProblemError> {
-    let masses: [f64; 14] = std::array::from_fn(|freedom| MASSES[freedom / 2]);
+    let masses: [f64; 14] = array(|freedom| MASSES[freedom / 2]);
     let velocities = VELOCITIES.as_flattened();
     let gravity = NewtonianGravity { constant: 1.0, masses: MASSES.to_vec(), fixed: Vec::new() };
     Ok(Problem {
         name: "pleiades",
         system: System::new(DiagonalMetric::new(masses)?, gravity)?,
         initial: State::new(
-            std::array::from_fn(|freedom| POSITIONS.as_flattened()[freedom]),
-            Covector(std::array::from_fn(|freedom| masses[freedom] * velocities[freedom])),
+            array(|freedom| POSITIONS.as_flattened()[freedom]),
+            Covector(array(|freedom| masses[freedom] * velocities[freedom])),
         ),
         horizon: 3.0,
         period: 3.0,
@@ -58,7 +58,7 @@ pub fn pleiades() -> Result<SmallProblem<NewtonianGravity<2>, 14>, ProblemError>
             let known = if t == 0.0 { Some(&POSITIONS) } else { None };
             let known =
                 known.or(if (t - 3.0).abs() < ROUNDING { Some(&AT_THREE) } else { None })?;
-            Some(std::array::from_fn(|freedom| known.as_flattened()[freedom]))
+            Some(array(|freedom| known.as_flattened()[freedom]))
         }),
         solution_error: 1e-14,
     })

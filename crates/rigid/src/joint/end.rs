@@ -5,7 +5,7 @@
 //! ```
 
 use nalgebra::{Matrix3, Vector3};
-use stationary_calculus::FIXED;
+use stationary_calculus::{FIXED, array};
 
 use super::JointFault;
 use crate::space::pose_or_none;
@@ -106,7 +106,7 @@ impl JointEnd {
 
 /// The six freedoms of a body; the first three do not move where it turns about a fixed point.
 pub(crate) fn body_freedoms<S: BodySpace>(body: usize) -> [usize; 6] {
-    std::array::from_fn(|k| match k {
+    array(|k| match k {
         0..3 if S::TRANSLATION == 0 => FIXED,
         _ => S::FREEDOMS * body + k + S::TRANSLATION - 3,
     })
@@ -115,7 +115,7 @@ pub(crate) fn body_freedoms<S: BodySpace>(body: usize) -> [usize; 6] {
 /// Those of two bodies, none of which move of the world.
 pub(crate) fn pair_freedoms<S: BodySpace>(bodies: [Option<usize>; 2]) -> [usize; 12] {
     let freedoms = bodies.map(|body| body.map_or([FIXED; 6], body_freedoms::<S>));
-    std::array::from_fn(|k| freedoms[k / 6][k % 6])
+    array(|k| freedoms[k / 6][k % 6])
 }
 
 fn moved(translation: Vector3<f64>) -> RigidMotion {

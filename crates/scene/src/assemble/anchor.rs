@@ -7,7 +7,7 @@
 //! `c` the point in body axes, `Z` a quarter turn. A force `f` there acts on the freedoms by `f dx`.
 
 #[cfg(feature = "elasticity")]
-use stationary_calculus::Sink;
+use stationary_calculus::{Sink, array};
 
 use crate::assemble::vertices::Vertices;
 use crate::model::particle::{Motion, Particle};
@@ -44,17 +44,15 @@ impl Anchor {
     pub(crate) fn place(&self, q: &[f64], each: usize) -> [f64; 3] {
         match *self {
             Anchor::World(place) => place,
-            Anchor::Particle(first) => {
-                std::array::from_fn(|c| if c < each { q[first + c] } else { 0.0 })
-            }
+            Anchor::Particle(first) => array(|c| if c < each { q[first + c] } else { 0.0 }),
             Anchor::Body(body, point) if each == 3 => {
                 let (sin, cos) = q[3 * body + 2].sin_cos();
                 let [a, b, _] = point;
                 [q[3 * body] + cos * a - sin * b, q[3 * body + 1] + sin * a + cos * b, 0.0]
             }
             Anchor::Body(body, point) => {
-                let arm = turn(std::array::from_fn(|k| q[7 * body + 3 + k]), point);
-                std::array::from_fn(|c| q[7 * body + c] + arm[c])
+                let arm = turn(array(|k| q[7 * body + 3 + k]), point);
+                array(|c| q[7 * body + c] + arm[c])
             }
         }
     }
@@ -110,8 +108,8 @@ pub(crate) fn wrench(
         let moment = arm[0] * force[1] - arm[1] * force[0] + torque[2];
         return [force[0], force[1], moment, 0.0, 0.0, 0.0];
     }
-    let turn = std::array::from_fn(|k| q[7 * body + 3 + k]);
+    let turn = array(|k| q[7 * body + 3 + k]);
     let (own, moment) = (turn_back(turn, *force), turn_back(turn, *torque));
     let turning = cross(*point, own);
-    std::array::from_fn(|c| if c < 3 { force[c] } else { turning[c - 3] + moment[c - 3] })
+    array(|c| if c < 3 { force[c] } else { turning[c - 3] + moment[c - 3] })
 }

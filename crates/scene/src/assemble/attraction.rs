@@ -6,7 +6,7 @@
 //! `x` centres, `m` masses. Outside of a ball whose mass lies alike in all directions the attraction is that of a point
 //! at its centre (Newton), so that it makes no torque; inside it is not, and a step that ends there fails.
 
-use stationary_calculus::{Covector, Potential, PotentialOn, Sink};
+use stationary_calculus::{Covector, Potential, PotentialOn, Sink, array};
 use stationary_integrators::CentralGravity;
 use stationary_rigid::Poses;
 
@@ -85,7 +85,7 @@ impl BodyAttraction {
             let x = place(first);
             for second in first + 1..self.all.len() {
                 let y = place(second);
-                see([first, second], std::array::from_fn(|c| x[c] - y[c]));
+                see([first, second], array(|c| x[c] - y[c]));
             }
         }
     }

@@ -5,6 +5,7 @@
 //! ```
 //! To whoever steps they are balls of infinite mass behind the bodies; the scene itself does not know them.
 
+use stationary_calculus::array;
 use stationary_integrators::State;
 
 use crate::model::body_shape::BodyShape;
@@ -80,7 +81,7 @@ impl Obstacles {
         for (motion, start) in &self.pins {
             let from = motion.place(*start, state.t);
             let to = motion.place(*start, state.t + h);
-            let [u, v, w] = std::array::from_fn(|c| (to[c] - from[c]) / h);
+            let [u, v, w] = array(|c| (to[c] - from[c]) / h);
             let [x, y, z] = from;
             if self.in_space {
                 state.q.extend([x, y, z, 1.0, 0.0, 0.0, 0.0]);

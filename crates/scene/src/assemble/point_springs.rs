@@ -8,7 +8,7 @@
 //! ```
 //! `c` the point and `a b` in body axes. Of the [`Spring`] the law alone is taken.
 
-use stationary_calculus::{Covector, Curvature, Potential, PotentialOn, Sink, Stencil};
+use stationary_calculus::{Covector, Curvature, Potential, PotentialOn, Sink, Stencil, array};
 use stationary_elasticity::Spring;
 use stationary_rigid::Poses;
 
@@ -70,7 +70,7 @@ impl PointSprings {
             let along = (0..2).map(|k| force[k] * (arm[k] - centre[k])).sum::<f64>();
             return (columns, Turns { first: 3 * body + 2, block: vec![-along] });
         }
-        let g = turn_back(std::array::from_fn(|k| q[7 * body + 3 + k]), force);
+        let g = turn_back(array(|k| q[7 * body + 3 + k]), force);
         let along: f64 = (0..3).map(|k| g[k] * c[k]).sum();
         let block = (0..9).map(|entry| {
             let (i, j) = (entry % 3, entry / 3);

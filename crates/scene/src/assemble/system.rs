@@ -7,7 +7,7 @@
 //! freedoms and are the fixed vertices of the springs. What is hung starts where V is lowest while
 //! it is held.
 
-use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
+use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System, array};
 use stationary_integrators::problems::Problem;
 use stationary_integrators::{NewtonianGravity, State, UniformGravity};
 
@@ -262,9 +262,8 @@ impl Scene {
     /// The largest distance of a particle from the middle of all; one where that is zero.
     pub(crate) fn scale(&self) -> f64 {
         let count = self.particles.len() as f64;
-        let middle: [f64; 3] = std::array::from_fn(|c| {
-            self.particles.iter().map(|particle| particle.position[c] / count).sum()
-        });
+        let middle: [f64; 3] =
+            array(|c| self.particles.iter().map(|particle| particle.position[c] / count).sum());
         let from_middle = |x: [f64; 3]| -> f64 {
             (0..3).map(|c| (x[c] - middle[c]) * (x[c] - middle[c])).sum::<f64>().sqrt()
         };

@@ -2,6 +2,7 @@
 
 use crate::model::particle::Motion;
 use crate::model::scene::Scene;
+use stationary_calculus::array;
 
 /// The order of the particles as vertices: the free ones first, each part in the scene's order.
 #[derive(Clone, Debug)]
@@ -49,5 +50,5 @@ pub(crate) fn few(freedoms: usize) -> bool {
 
 /// The first D components, D <= 3.
 pub(crate) fn leading<const D: usize>(x: [f64; 3]) -> [f64; D] {
-    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
+    array(|c| x.get(c).copied().unwrap_or(0.0))
 }

@@ -7,6 +7,7 @@
 //! `T` the horizon, `m` the masses at the ends, `l` the length at rest. A spring that starts stretched, or is being
 //! stretched, swings by itself: no rod stands for it.
 
+use stationary_calculus::array;
 use std::f64::consts::TAU;
 
 use toml::{Table, Value};
@@ -43,8 +44,8 @@ fn is_rigid(scene: &Scene, link: &Link, fast: f64) -> bool {
         }
         _ => [0.0; 3],
     });
-    let [x, v] = [ends.map(|end| end.position), velocity]
-        .map(|[a, b]| std::array::from_fn::<f64, 3, _>(|c| b[c] - a[c]));
+    let [x, v] =
+        [ends.map(|end| end.position), velocity].map(|[a, b]| array::<f64, 3>(|c| b[c] - a[c]));
     let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
     let (length, omega) = (dot(x, x).sqrt(), (link.stiffness * yields).sqrt());
     let allowed = STRETCH * link.rest_length;

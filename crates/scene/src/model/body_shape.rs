@@ -2,6 +2,7 @@
 //!
 //! Lengths are whole: `length` of a capsule is that of its segment, of a cylinder from end to end.
 
+use stationary_calculus::array;
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
@@ -76,7 +77,7 @@ impl BodyShape {
                     if corner >> c & 1 == 1 { 0.5 * sides[c] } else { -0.5 * sides[c] }
                 };
                 let corners = 0..1_usize << dimension;
-                corners.map(|corner| std::array::from_fn(|c| side(corner, c))).collect()
+                corners.map(|corner| array(|c| side(corner, c))).collect()
             }
             BodyShape::Polygon(corners) => corners.iter().map(|&[x, y]| [x, y, 0.0]).collect(),
             BodyShape::Hull { corners, .. } => corners.clone(),

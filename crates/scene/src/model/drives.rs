@@ -2,6 +2,7 @@
 //! changes, sources of heat. As data.
 
 use serde::Serialize;
+use stationary_calculus::array;
 
 use crate::model::strength::Strength;
 
@@ -77,7 +78,7 @@ impl PinMotion {
     /// Where the pin is.
     pub(crate) fn place(&self, start: [f64; 3], t: f64) -> [f64; 3] {
         let strength = self.strength.at(t);
-        std::array::from_fn(|c| start[c] + strength * self.shift[c])
+        array(|c| start[c] + strength * self.shift[c])
     }
 
     /// How far it is from where it starts, how fast it moves and how it accelerates.

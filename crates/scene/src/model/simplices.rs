@@ -1,5 +1,6 @@
 //! Simplices of a mesh by the numbers of their vertices, and the nodes in the middle of their edges.
 
+use stationary_calculus::array;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -91,5 +92,5 @@ where
             middle(middles, ends).unwrap_or(usize::MAX)
         }
     };
-    simplices.iter().map(|corners| std::array::from_fn(|k| node(corners, k))).collect()
+    simplices.iter().map(|corners| array(|k| node(corners, k))).collect()
 }

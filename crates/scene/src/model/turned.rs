@@ -1,11 +1,13 @@
 //! Vectors turned by a quaternion of length one, scalar first.
 
+use stationary_calculus::array;
+
 /// `x + 2 r x (r x x + w x)`, r the quaternion's vector part.
 pub(crate) fn turn([w, i, j, k]: [f64; 4], x: [f64; 3]) -> [f64; 3] {
     let r = [i, j, k];
     let inner = cross(r, x);
-    let outer = cross(r, std::array::from_fn(|c| inner[c] + w * x[c]));
-    std::array::from_fn(|c| x[c] + 2.0 * outer[c])
+    let outer = cross(r, array(|c| inner[c] + w * x[c]));
+    array(|c| x[c] + 2.0 * outer[c])
 }
 
 /// The same turn backward.

@@ -21,6 +21,7 @@ use crate::model::scene::{Scene, numbers_of_a_body};
 use crate::model::turned::{cross, turn};
 use crate::run::samples::Run;
 use crate::text::file_error::WriteError;
+use stationary_calculus::array;
 
 /// The stress of every element at the places of all particles, D numbers each.
 pub(crate) type StressField = Box<dyn Fn(&[f64]) -> Vec<Stress>>;
@@ -140,7 +141,7 @@ impl Run {
         for solid in &self.scene.solids {
             for (particle, rest) in (solid.first..).zip(&solid.rest) {
                 let place = self.position(sample, particle);
-                displacements[particle] = std::array::from_fn(|c| place[c] - rest[c]);
+                displacements[particle] = array(|c| place[c] - rest[c]);
             }
         }
         displacements
@@ -162,8 +163,7 @@ impl Run {
                     _ => None,
                 };
                 if let Some(middle) = middle {
-                    given[middle] =
-                        std::array::from_fn(|c| given[middle][c] + sign * row.impulse[c]);
+                    given[middle] = array(|c| given[middle][c] + sign * row.impulse[c]);
                 }
             }
         }
@@ -184,11 +184,11 @@ impl BodyField {
     /// The velocity of a point, in body axes.
     pub(crate) fn velocity_of(&self, point: [f64; 3]) -> [f64; 3] {
         let swept = turn(self.orientation, cross(self.angular_velocity, point));
-        std::array::from_fn(|c| self.velocity[c] + swept[c])
+        array(|c| self.velocity[c] + swept[c])
     }
 }
 
 /// A vector of as many components as the scene has dimensions, in space.
 fn in_space(x: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|c| x.get(c).copied().unwrap_or(0.0))
+    array(|c| x.get(c).copied().unwrap_or(0.0))
 }

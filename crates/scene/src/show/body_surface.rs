@@ -6,6 +6,7 @@
 //! ```
 //! A ring without a radius is one point. A drawing alone: what touches is round.
 
+use stationary_calculus::array;
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
@@ -106,7 +107,7 @@ impl Run {
         point: [f64; 3],
     ) -> [f64; 3] {
         let (x, arm) = (self.position(sample, centre), field.turned(point));
-        std::array::from_fn(|c| x[c] + arm[c])
+        array(|c| x[c] + arm[c])
     }
 }
 
@@ -118,7 +119,7 @@ fn of_part(part: &BodyPart, dimension: usize) -> BodySurface {
     let mut surface = convex(&part.shape, dimension);
     for point in &mut surface.points {
         let turned = turn(quaternion, *point);
-        *point = std::array::from_fn(|c| part.position[c] + turned[c]);
+        *point = array(|c| part.position[c] + turned[c]);
     }
     surface
 }

@@ -5,6 +5,7 @@
 //! Drawn are the paths of the particles that are written out or observed; a net is drawn by its
 //! springs, faint where it starts and strong where it ends.
 
+use stationary_calculus::array;
 use stationary_chart::{Anchor, Canvas, Lettering, Medium, Path, Tone, significant};
 
 use crate::model::particle::Motion;
@@ -184,7 +185,7 @@ impl<'a> Picture<'a> {
         let Axes::Seen(projection) = sheet.axes else { return };
         let (x, y) = (WIDTH - MARGIN - ARM, self.height - 38.0);
         for (c, axis) in COORDINATES.iter().enumerate().take(self.run.scene().dimension()) {
-            let [right, up] = projection.of(std::array::from_fn(|i| f64::from(u8::from(i == c))));
+            let [right, up] = projection.of(array(|i| f64::from(u8::from(i == c))));
             if right.hypot(up) < 0.15 {
                 continue;
             }

@@ -7,6 +7,8 @@
 //! ```
 //! Parallel lines stay parallel and lengths at right angles to w keep their proportions.
 
+use stationary_calculus::array;
+
 /// Two directions in space that become the paper's right and upward directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Projection {
@@ -58,7 +60,7 @@ impl Extent {
 
     /// Its width and height.
     pub(crate) fn size(&self) -> [f64; 2] {
-        std::array::from_fn(|c| self.largest[c] - self.least[c])
+        array(|c| self.largest[c] - self.least[c])
     }
 }
 
@@ -73,7 +75,7 @@ fn dot(x: [f64; 3], y: [f64; 3]) -> f64 {
 }
 
 fn cross(x: [f64; 3], y: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|c| {
+    array(|c| {
         let (a, b) = ((c + 1) % 3, (c + 2) % 3);
         x[a] * y[b] - x[b] * y[a]
     })

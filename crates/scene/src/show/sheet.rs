@@ -3,6 +3,7 @@
 //! Lines are drawn at one sample, in a tone: springs and edges of bodies thin, rods thick, those that
 //! broke not at all. Pinned particles are squares, followed ones spots of a colour each.
 
+use stationary_calculus::array;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
@@ -110,8 +111,7 @@ impl<'a> Sheet<'a> {
                 (height, [(width / across).min(height / upward); 2])
             }
         };
-        let middle =
-            std::array::from_fn(|c| extent.least[c] + 0.5 * (extent.largest[c] - extent.least[c]));
+        let middle = array(|c| extent.least[c] + 0.5 * (extent.largest[c] - extent.least[c]));
         let centre = [corner[0] + 0.5 * width, corner[1] + 0.5 * height];
         Sheet { run, axes, middle, scale, centre, height }
     }

@@ -1,6 +1,7 @@
 //! What a run comes to, rounded to the digits that another processor reproduces: a user's test of a
 //! scene is one line that compares this text with a stored one.
 
+use stationary_calculus::array;
 use std::fmt;
 
 use stationary_integrators::Evaluation;
@@ -382,7 +383,7 @@ fn invariants(run: &Run) -> Table {
     for (name, unit, momenta, scale, relative_to) in momenta.into_iter().take(shown) {
         let [start, end] =
             [momenta.first(), momenta.last()].map(|p| p.copied().unwrap_or_default());
-        let drift = momenta.iter().map(|p| norm(std::array::from_fn(|c| p[c] - start[c])));
+        let drift = momenta.iter().map(|p| norm(array(|c| p[c] - start[c])));
         let (drift, relative_to) = match external {
             Some(reason) => (Cell::from(""), reason),
             None => (relative(drift.fold(0.0, f64::max), scale), relative_to),

@@ -11,10 +11,11 @@
 //! velocity, points) is of those; what is kept is of the principal ones, which are the same where the
 //! inertia is diagonal in them.
 
-#[cfg(feature = "rigid")]
 use crate::words::body_shape::ShapeWords;
 #[cfg(feature = "rigid")]
 use crate::words::draft::DeclaredBody;
+#[cfg(feature = "rigid")]
+use stationary_calculus::array;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -170,7 +171,7 @@ mod compiled {
         /// Where a point of the body is at the start.
         pub(crate) fn place(&self, point: [f64; 3]) -> [f64; 3] {
             let arm = self.turned().rotate(&point.into());
-            std::array::from_fn(|c| self.position[c] + arm[c])
+            array(|c| self.position[c] + arm[c])
         }
     }
 

@@ -6,6 +6,7 @@
 //! Its particles are called `name.1` to `name.n-1`; they move at the start as the line does between
 //! the velocities of its ends.
 
+use stationary_calculus::array;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -56,7 +57,7 @@ fn declare(draft: &mut Draft<'_>, declared: &ChainDeclaration) -> Checked<()> {
     let [x, y] = ends.map(|end| table.particles[end].position);
     let [u, v] = ends.map(|end| velocity(&table.particles[end].motion));
     let between = |a: [f64; 3], b: [f64; 3], part: f64| -> [f64; 3] {
-        std::array::from_fn(|c| a[c] + part * (b[c] - a[c]))
+        array(|c| a[c] + part * (b[c] - a[c]))
     };
     let mut last = ends[0];
     for link in 1..=links {

@@ -1,6 +1,7 @@
 //! A mesh in a scene: its vertices, simplices, outside and parts.
 
 use nalgebra::{SVector, Vector3};
+use stationary_calculus::array;
 use stationary_mesh::{Mesh, MeshError, Simplex};
 use toml::Spanned;
 
@@ -153,8 +154,8 @@ impl Shape {
         /// The part of a shape's size by which rounding may move a vertex off its side.
         const OFF: f64 = 1e-9;
         let axis = |c: usize| self.own.iter().map(move |x| x[c]);
-        let least: [f64; 3] = std::array::from_fn(|c| axis(c).fold(f64::INFINITY, f64::min));
-        let largest: [f64; 3] = std::array::from_fn(|c| axis(c).fold(f64::NEG_INFINITY, f64::max));
+        let least: [f64; 3] = array(|c| axis(c).fold(f64::INFINITY, f64::min));
+        let largest: [f64; 3] = array(|c| axis(c).fold(f64::NEG_INFINITY, f64::max));
         let size = (0..3).fold(0.0_f64, |size, c| size.max(largest[c] - least[c]));
         let near = |vertex: usize, along: Axis, ends: &[f64; 3]| {
             let c = self.axis(along);

@@ -2,6 +2,7 @@
 //!
 //! A picture draws an edge as two lines and a triangle as four, between nodes.
 
+use stationary_calculus::array;
 use stationary_mesh::{
     Mesh, MeshError, Quadratic, QuadraticSegments, QuadraticTetrahedra, QuadraticTriangles, Simplex,
 };
@@ -39,7 +40,7 @@ fn with_corners<const D: usize, const K: usize, const N: usize>(
 where
     [usize; K]: Simplex,
 {
-    let corners = |element: &[usize; N]| std::array::from_fn(|k| element[k]);
+    let corners = |element: &[usize; N]| array(|k| element[k]);
     Mesh::new(elements.nodes().to_vec(), elements.elements().iter().map(corners).collect())
 }
 

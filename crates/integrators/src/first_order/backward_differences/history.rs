@@ -6,7 +6,7 @@
 //! When the step or the order changes, the differences become those of the same polynomial on the
 //! new grid: d' = (R(factor) U)^T d with two small triangular matrices.
 
-use stationary_calculus::{SizeError, Storage};
+use stationary_calculus::{SizeError, Storage, array};
 
 use crate::integrator::zeros;
 
@@ -70,7 +70,7 @@ impl<C: Storage> History<C> {
         self.h = h;
         let k = order;
         for i in 0..self.scratch.as_ref().len() {
-            let old: [f64; SIZE] = std::array::from_fn(|m| self.d[m].as_ref()[i]);
+            let old: [f64; SIZE] = array(|m| self.d[m].as_ref()[i]);
             let mut moved = [0.0; SIZE];
             for (column, moved) in moved.iter_mut().enumerate().take(k + 1) {
                 *moved = (0..=k).map(|row| r[row][column] * old[row]).sum();

@@ -5,7 +5,9 @@
 //! V = -sum_i G m_i M/|x_i - X|                         of a pin that attracts with the mass M
 //! ```
 
-use stationary_calculus::{Covector, Curvature, FIXED, Potential, Sink, Stencil, StencilHessian};
+use stationary_calculus::{
+    Covector, Curvature, FIXED, Potential, Sink, Stencil, StencilHessian, array,
+};
 use stationary_elasticity::Spring;
 use stationary_integrators::CentralGravity;
 
@@ -38,7 +40,7 @@ impl MovingPin {
         let along: f64 = (0..3).map(|c| (other[c] - start[c]) * shift[c]).sum();
         let nearest = if square > 0.0 { (along / square).clamp(low, high) } else { low };
         let looks = (0..=LOOKS).map(move |k| low + (high - low) * f64::from(k) / f64::from(LOOKS));
-        let at = move |s: f64| std::array::from_fn(|c| start[c] + s * shift[c]);
+        let at = move |s: f64| array(|c| start[c] + s * shift[c]);
         looks.chain([nearest]).map(at)
     }
 }
@@ -116,7 +118,7 @@ impl ByPins {
             ByPins::Spring { spring, pulled, pin } => {
                 let ends = [pin.place(now.0), pulled.place(now.1, each)];
                 let block = Stencil::<2, 3>::hessian(spring, &ends, Curvature::Exact);
-                let own = std::array::from_fn(|d| block[1][d][1]);
+                let own = array(|d| block[1][d][1]);
                 pulled.add_symmetric(each, own, hessian);
             }
             ByPins::Elements { elastic, pins, dimension } => {
@@ -142,8 +144,7 @@ impl ByPins {
             ByPins::Elements { pins, dimension, .. } => {
                 let dv = self.differential(now);
                 let of_pins = dv[now.1.len()..].chunks_exact(*dimension);
-                let in_space =
-                    |dv: &[f64]| std::array::from_fn(|c| dv.get(c).copied().unwrap_or(0.0));
+                let in_space = |dv: &[f64]| array(|c| dv.get(c).copied().unwrap_or(0.0));
                 pins.iter().zip(of_pins.map(in_space)).collect()
             }
             ByPins::Attraction { pin, all } => {
@@ -178,7 +179,7 @@ impl ByPins {
                     let at = one.at.place(now.1, each);
                     let pull = |pin: [f64; 3]| {
                         let mut dv = [0.0; 3];
-                        let way: [f64; 3] = std::array::from_fn(|c| at[c] - pin[c]);
+                        let way: [f64; 3] = array(|c| at[c] - pin[c]);
                         one.law().add_differential(&way, Covector(&mut dv));
                         size(dv)
                     };
@@ -237,7 +238,7 @@ impl Attracted {
     /// From the pin to it.
     fn way(&self, pin: &MovingPin, (t, q): (f64, &[f64]), each: usize) -> [f64; 3] {
         let (from, to) = (pin.place(t), self.at.place(q, each));
-        std::array::from_fn(|c| to[c] - from[c])
+        array(|c| to[c] - from[c])
     }
 
     /// The differential of the energy by its place.

@@ -10,6 +10,7 @@
 //! as any other does. Source: Landau and Lifshitz, Mechanics, section 39, summed over the points of a body.
 
 use crate::model::turned::{cross, turn_back};
+use stationary_calculus::array;
 
 /// A frame, and what is seen in it: things of `each` freedoms, of which the first are shifts.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +34,7 @@ impl Frame {
         let turns = self.turns();
         q.chunks_exact(if turns { 7 } else { self.each }).map(move |q| Seen {
             place: self.shifts(q),
-            own: turns.then(|| turn_back(std::array::from_fn(|k| q[3 + k]), self.turning)),
+            own: turns.then(|| turn_back(array(|k| q[3 + k]), self.turning)),
         })
     }
 
@@ -44,7 +45,7 @@ impl Frame {
 
     /// The shifts among numbers, as a vector in space.
     fn shifts(self, x: &[f64]) -> [f64; 3] {
-        std::array::from_fn(|c| if c < self.dimension { x[c] } else { 0.0 })
+        array(|c| if c < self.dimension { x[c] } else { 0.0 })
     }
 
     /// Turns a momentum as Coriolis' force and torque alone do for a time.
@@ -54,8 +55,8 @@ impl Frame {
         if let Some(own) = seen.own {
             let [roots, spread] = [roots(inverse), spread(inverse)];
             let least = 1.0 / roots.iter().product::<f64>();
-            let axis = std::array::from_fn(|k| least * roots[k] * spread[k] * own[k]);
-            let even = std::array::from_fn(|k| p[3 + k] / roots[k]);
+            let axis = array(|k| least * roots[k] * spread[k] * own[k]);
+            let even = array(|k| p[3 + k] / roots[k]);
             let turned = about(axis, -2.0 * time, even);
             (0..3).for_each(|k| p[3 + k] = roots[k] * turned[k]);
         }
@@ -66,8 +67,8 @@ impl Frame {
         let force = cross(self.turning, self.shifts(v)).map(|a| -2.0 * a);
         let torque = seen.own.map_or([0.0; 3], |own| {
             let spread = spread(inverse);
-            let w = std::array::from_fn(|k| v[3 + k]);
-            cross(w, std::array::from_fn(|k| 2.0 * spread[k] * own[k]))
+            let w = array(|k| v[3 + k]);
+            cross(w, array(|k| 2.0 * spread[k] * own[k]))
         });
         self.on_freedoms(force, torque, inverse)
     }
@@ -75,15 +76,14 @@ impl Frame {
     /// The centrifugal force and torque.
     pub(crate) fn outward(self, seen: &Seen, inverse: &[f64]) -> [f64; 6] {
         let force = cross(self.turning, cross(self.turning, seen.place)).map(|a| -a);
-        let torque = seen
-            .own
-            .map_or([0.0; 3], |own| cross(own, std::array::from_fn(|k| -own[k] / inverse[3 + k])));
+        let torque =
+            seen.own.map_or([0.0; 3], |own| cross(own, array(|k| -own[k] / inverse[3 + k])));
         self.on_freedoms(force, torque, inverse)
     }
 
     /// An acceleration and a torque, as they act on the freedoms of a thing.
     fn on_freedoms(self, a: [f64; 3], torque: [f64; 3], inverse: &[f64]) -> [f64; 6] {
-        std::array::from_fn(|freedom| match freedom {
+        array(|freedom| match freedom {
             shift if shift < self.dimension => a[shift] / inverse[shift],
             turn if turn >= 3 => torque[turn - 3],
             _ => 0.0,
@@ -93,12 +93,12 @@ impl Frame {
 
 /// The roots of a body's moments.
 fn roots(inverse: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|k| 1.0 / inverse[3 + k].sqrt())
+    array(|k| 1.0 / inverse[3 + k].sqrt())
 }
 
 /// `S`: how a body's mass is spread along its axes.
 fn spread(inverse: &[f64]) -> [f64; 3] {
-    let moments: [f64; 3] = std::array::from_fn(|k| 1.0 / inverse[3 + k]);
+    let moments: [f64; 3] = array(|k| 1.0 / inverse[3 + k]);
     moments.map(|moment| 0.5 * moments.iter().sum::<f64>() - moment)
 }
 
@@ -111,7 +111,7 @@ fn about(w: [f64; 3], time: f64, x: [f64; 3]) -> [f64; 3] {
     let axis = w.map(|w| w / size);
     let (sin, cos) = (size * time).sin_cos();
     let (around, along) = (cross(axis, x), (0..3).map(|c| axis[c] * x[c]).sum::<f64>());
-    std::array::from_fn(|c| cos * x[c] + sin * around[c] + (1.0 - cos) * along * axis[c])
+    array(|c| cos * x[c] + sin * around[c] + (1.0 - cos) * along * axis[c])
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use crate::assemble::anchor::Anchor;
 use crate::model::drives::PinMotion;
+use stationary_calculus::array;
 
 /// A rate that a damper holds back.
 #[derive(Clone, Debug)]
@@ -72,7 +73,7 @@ impl Rate {
             End::Held(anchor) => anchor.place(q, each),
             End::Moved(pin, start) => pin.place(*start, t),
         });
-        let way: [f64; 3] = std::array::from_fn(|c| b[c] - a[c]);
+        let way: [f64; 3] = array(|c| b[c] - a[c]);
         let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut entries, mut told) = (Vec::new(), 0.0);
         if length > 0.0 {
