@@ -44,11 +44,9 @@ pub struct Manifolds {
     round: round_contacts::Room,
 }
 
-/// Gaps below this part of a box are those of contact: the axes of the boxes are good enough, and faces that touch
-/// keep their corners.
-const WIDE: f64 = 1e-7;
-/// Points this part of a box farther apart than they need be are the closest.
-const SHORT: f64 = 1e-9;
+/// Two points of boxes face each other along the axis along which they are farthest apart: where the closest of a
+/// manifold are farther apart by this part of the larger box, it has lost them.
+const LOST: f64 = 5e-13;
 
 /// Distances below this part of the size and the distance are rounding, and have no direction.
 const ROUNDING: f64 = 1e-13;
@@ -348,13 +346,10 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     in_metres(manifold, unit);
     (manifold.local_n1, manifold.local_n2) = (n1, n2);
     straighten(manifold, boxes, relative, &back);
-    let size = halves[0].min_element().min(halves[1].min_element());
-    if too_far(axis.separation, manifold, size) {
+    if deepest(manifold) > axis.separation + LOST * halves[0].max(halves[1]).max_element() {
         return Clipped::Corners;
     }
-    // What lies deepest is a corner above a face; elsewhere edges slide over edges.
-    let above = deepest(manifold) <= axis.separation + SHORT * size;
-    Clipped::Faces(axis.face.filter(|_| above).map_or(Answer::Now, Answer::Plane))
+    Clipped::Faces(axis.face.map_or(Answer::Now, Answer::Plane))
 }
 
 /// Moves one of two points that face each other until they do so along the normal: where nearly parallel
@@ -378,11 +373,6 @@ fn straighten(manifold: &mut Manifold, boxes: [&Cuboid; 2], relative: &Pose, bac
 /// The least gap of a manifold's points.
 fn deepest(manifold: &Manifold) -> f64 {
     manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min)
-}
-
-/// Whether the points of a manifold are farther apart than shapes of this size that are apart.
-fn too_far(separation: f64, manifold: &Manifold, size: f64) -> bool {
-    separation > WIDE * size && deepest(manifold) > separation + SHORT * size
 }
 
 /// Appends the points of a manifold whose gaps are larger by `narrower` than it says.
