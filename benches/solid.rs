@@ -174,7 +174,10 @@ fn main() {
                     black_box([arithmetic(steps / 2), arithmetic(steps / 2)]);
                 },
                 || {
-                    black_box(side_by_side(|| arithmetic(steps / 2), || arithmetic(steps / 2)));
+                    let half = || {
+                        black_box(arithmetic(steps / 2));
+                    };
+                    side_by_side(&mut { half }, &mut { half });
                 },
             );
         }

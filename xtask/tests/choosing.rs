@@ -23,7 +23,7 @@ fn what_was_answered_wrongly_is_answered_rightly_or_refused() {
     let found = include_str!("../found/choosing.tsv");
     let mut kinds = BTreeSet::new();
     // One of each kind of fault: a family of scenes, and what was wrongly said of which method.
-    let is_first = |line: &&str| {
+    let is_first = |line: &&'static str| {
         let what = line.split('\t').nth(2).unwrap_or_default();
         kinds.insert(what.split(" at ").next().unwrap_or_default())
     };

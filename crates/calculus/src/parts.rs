@@ -66,9 +66,9 @@ fn share<T: Send>(
             let half = (count - 1) / 2;
             let middle = cut(bounds[half]);
             let (low, high) = values.split_at_mut(middle - first);
-            side_by_side(&mut || share(&bounds[..=half], part, low, first, cut, work), &mut || {
-                share(&bounds[half..], part + half, high, middle, cut, work)
-            });
+            let mut one = || share(&bounds[..=half], part, low, first, cut, work);
+            let mut other = || share(&bounds[half..], part + half, high, middle, cut, work);
+            side_by_side(&mut one, &mut other);
         }
     }
 }
