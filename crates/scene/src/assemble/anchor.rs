@@ -7,7 +7,8 @@
 //! `c` the point in body axes, `Z` a quarter turn. A force `f` there acts on the freedoms by `f dx`.
 
 #[cfg(feature = "elasticity")]
-use stationary_calculus::{Sink, array};
+use stationary_calculus::Sink;
+use stationary_calculus::array;
 
 use crate::assemble::vertices::Vertices;
 use crate::model::particle::{Motion, Particle};

@@ -11,6 +11,7 @@
 //! velocity, points) is of those; what is kept is of the principal ones, which are the same where the
 //! inertia is diagonal in them.
 
+#[cfg(feature = "rigid")]
 use crate::words::body_shape::ShapeWords;
 #[cfg(feature = "rigid")]
 use crate::words::draft::DeclaredBody;

@@ -6,7 +6,6 @@
 //! `across` and `down` are unit vectors at a right angle; by default the first axis, and against
 //! the last. The springs are those of [`stationary_elasticity::net`], at rest at the start.
 
-use stationary_calculus::array;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -155,7 +154,7 @@ mod compiled {
         let first = table.particles.len();
         for row in 0..rows {
             for column in 0..columns {
-                let position: [f64; 3] = array(|c| {
+                let position: [f64; 3] = std::array::from_fn(|c| {
                     origin[c] + spacing * (column as f64 * across[c] + row as f64 * down[c])
                 });
                 if let Some(&value) = position.iter().find(|x| !x.is_finite()) {
