@@ -6,7 +6,7 @@
 //! Of each closure that is handed to `from_fn` or `map` of the standard library four and seven functions are compiled,
 //! and what is not inlined of them is called for every element of a mesh; of one that is handed to this, two.
 
-/// The values of a function at 0, 1, .., in their order. It is asked at 0 though the array be empty.
+/// The values of a function at 0, 1, .., in their order. It is asked at 0 even if the array is empty.
 #[inline]
 pub fn array<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T) -> [T; N] {
     let mut values = [value(0); N];
