@@ -138,7 +138,13 @@ pub(crate) fn facing(
             }
         }
         Source::Edges(one, other) => {
-            if let Some([x1, x2]) = crossing([a, b], [one, other], &n, axis.separation) {
+            let met = crossing([a, b], [one, other], &n, axis.separation);
+            // Beside the ends of edges that are apart, the corners may be farther apart than the lines.
+            let closest = |points: &[V; 2]| {
+                let wide = axis.separation > WIDE * size;
+                !wide || apart([a, b], [one, other], points) <= axis.separation + SHORT * size
+            };
+            if let Some([x1, x2]) = met.filter(closest) {
                 least = axis.separation;
                 let names = [one, other].map(|edge| edge_name(edge.corners));
                 append(names, x1, x2, n, least);
@@ -200,7 +206,7 @@ pub(crate) fn crossing(
 ) -> Option<[V; 2]> {
     let border = BORDER * a.solid.size.min(b.solid.size);
     let [x1, x2] = between([a.corners, b.corners], [one, other]);
-    let ends = [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])];
+    let ends = ends_of([a, b], [one, other]);
     // Along nearly parallel edges the place is rounding, across them it is not.
     let x1 = if on_edge(&x2, ends[1], border) { x2 - n * separation } else { x1 };
     let x2 = x1 + n * separation;
@@ -208,11 +214,25 @@ pub(crate) fn crossing(
     (on_edge(&x1, ends[0], slack) && on_edge(&x2, ends[1], slack)).then_some([x1, x2])
 }
 
+fn ends_of([a, b]: [Seen<'_>; 2], [one, other]: [Edge; 2]) -> [[V; 2]; 2] {
+    [one.corners.map(|c| a.corners[c]), other.corners.map(|c| b.corners[c])]
+}
+
+/// How far apart the places of two edges are that are closest to these points.
+fn apart(seen: [Seen<'_>; 2], edges: [Edge; 2], [x1, x2]: &[V; 2]) -> f64 {
+    let [first, second] = ends_of(seen, edges);
+    (nearest_on_edge(x2, second) - nearest_on_edge(x1, first)).norm()
+}
+
 /// Whether a point is on an edge, or off it by no more than a distance.
-fn on_edge(x: &V, [from, to]: [V; 2], slack: f64) -> bool {
-    let (along, way) = (to - from, x - from);
-    let t = (way.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-    (way - along * t).norm() <= slack
+fn on_edge(x: &V, ends: [V; 2], slack: f64) -> bool {
+    (x - nearest_on_edge(x, ends)).norm() <= slack
+}
+
+fn nearest_on_edge(x: &V, [from, to]: [V; 2]) -> V {
+    let along = to - from;
+    let t = ((x - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    from + along * t
 }
 
 /// Puts each point on the first side of a polygon that it is outside of by no more than a border. What is beside two

@@ -326,3 +326,42 @@ fn a_ball_faces_the_closest_place_of_what_has_flat_faces_wherever_its_centre_is(
         }
     }
 }
+
+/// The lines of two edges that end in the tips of pyramids may cross a hair beside them, closer than the tips are.
+#[test]
+fn a_tip_that_faces_a_tip_a_hair_apart_is_as_far_as_they_are() {
+    let mut random = SplitMix64::new(29);
+    let mut tried = 0;
+    for k in 0..100_000 {
+        let size = [1e-6, 1.0, 1e6][k % 3];
+        let gap = size * 10.0_f64.powf(-11.0 + random.symmetric());
+        let turn = Rotation::exp(random_vector(&mut random) * 3.0);
+        let start = below(7, &mut random) as f64;
+        let solids = [-1.0, 1.0].map(|side| {
+            let start = start + below(4, &mut random) as f64 * std::f64::consts::FRAC_PI_3;
+            let around = |j: u32| start + (f64::from(j) + 0.3 * random.symmetric()) * 2.1;
+            let mut corners = vec![V::zeros()];
+            corners.extend([0, 1, 2].map(around).map(|angle| {
+                let along = 10.0_f64.powf(-2.0 * random.symmetric().abs());
+                V::new(angle.cos(), angle.sin(), side * along) * size
+            }));
+            corners
+        });
+        // Where every plane across the way parts the solids, the tips are closest.
+        let way = (V::z() + random_vector(&mut random)).normalize();
+        let ahead = |c: &V| c.dot(&way) > 1e-3 * size;
+        let behind = |c: &V| c.dot(&way) < -1e-3 * size;
+        if !solids[0][1..].iter().all(behind) || !solids[1][1..].iter().all(ahead) {
+            continue;
+        }
+        tried += 1;
+        let collider = |body: usize| Collider::on_body(body, Shape::convex(&solids[body]).unwrap());
+        let mut detector = Detector::new(vec![collider(0), collider(1)], 2).unwrap();
+        let place = |translation: V| RigidMotion { translation, rotation: turn };
+        let poses = [place(V::zeros()), place(turn.rotate(&(way * gap)))];
+        let found = detector.detect(&configuration(&poses), size).unwrap();
+        let least = found.iter().map(|c| c.gap).fold(f64::INFINITY, f64::min);
+        assert!((least - gap).abs() < 1e-12 * size, "{k}: {least:e} {gap:e} of {size:e}");
+    }
+    assert!(tried > 2_000, "{tried}");
+}
