@@ -86,6 +86,8 @@ studies! {
             laws: [IMPACT_LAWS],
             pile: [PILE_SOLVERS],
             cost: [DETECTION_COST],
+            solids: [GAPS_OF_SOLIDS],
+            towers: [TOWERS],
             tunnelling: [TUNNELLING],
             bounce: [BOUNCING_BALL],
             penalty: [CONTACT_PENALTY],

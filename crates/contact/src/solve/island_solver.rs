@@ -106,6 +106,8 @@ pub(crate) struct Within {
     /// Changes that settle an island, and those that are enough where it takes too much work.
     pub(crate) settled: f64,
     pub(crate) enough: f64,
+    /// Changes from which what nearly rests is brought to rest.
+    pub(crate) still: f64,
     /// The residual within which the island is settled.
     pub(crate) reached: f64,
     /// What may be left of what nearly rests, if these bodies hardly move.
@@ -168,7 +170,8 @@ where
         let mut left = sweeps.residuals(island, x);
         let settled = within.settled;
         let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
-        let within = Within { fine: within.fine.filter(|_| near || within.of_pile), ..within };
+        let large = within.of_pile || members.len() > POLISHED;
+        let within = Within { fine: within.fine.filter(|_| near || large), ..within };
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= within.fine.unwrap_or(settled));
         let rubs = |(contact, x): (&RigidContact<F, D>, &[f64; D])| {
             let mut across = *x;
@@ -277,7 +280,9 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
         let IslandSolver { contacts, x, sweeps, parts, polish, .. } = self;
         let island = Island { contacts, bodies };
         let Within { settled, reached, fine, .. } = within;
+        let held = fine.map_or(0, |change| sweeps.hold(island, x, change));
         let [mut relaxed, mut solved] = parts.settle(sweeps, island, x, [settled, reached], SWEEPS);
+        solved += held;
         if let Some(change) = fine {
             let more = sweeps.rest(island, x, change);
             (relaxed, solved) = (relaxed + more[0], solved + more[1]);
@@ -294,15 +299,26 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
         let IslandSolver { contacts, x, sweeps, parts, polish, .. } = self;
         let island = Island { contacts, bodies };
         let n = contacts.len();
-        let Within { settled, enough, reached, fine, .. } = within;
+        let Within { settled, enough, still, reached, fine, .. } = within;
         let changes = [settled, AMPLIFICATION * settled];
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= fine.unwrap_or(settled));
         let finer = enough > settled || fine.is_some();
         let most = if finer { VISITS_PAST_ENOUGH.div_ceil(n) } else { SWEEPS };
         let small = n <= SMALL && fine.is_none();
         let [mut relaxed, mut solved] = match fine {
-            // Sweeps leave what they change slowly, and it would move what is to rest.
-            Some(change) => sweeps.alternate(island, x, Goal::at_rest(change), most),
+            Some(change) => {
+                // From rough sweeps on, as sweeps leave what they change slowly, and it would move what is to rest.
+                let rough = settled.max(still);
+                let changes = [rough, AMPLIFICATION * rough];
+                let held = if n > POLISHED { sweeps.hold(island, x, change) } else { 0 };
+                let first = parts.settle(sweeps, island, x, changes, SWEEPS);
+                let then = sweeps.rest(island, x, change);
+                let last = match met(&sweeps.residuals(island, x)) {
+                    true => [0; 2],
+                    false => sweeps.alternate(island, x, Goal::at_rest(change), most),
+                };
+                [first[0] + then[0] + last[0], held + first[1] + then[1] + last[1]]
+            }
             None if small => parts.settle(sweeps, island, x, changes, FIRST_SWEEPS),
             None => parts.settle(sweeps, island, x, changes, most),
         };

@@ -16,11 +16,14 @@
 //! changed, sparsely: a heap is nearly a tree. Where Newton's method is cut short, the last line
 //! still lowers the energy.
 //!
+//! Where all contacts are taken to hold, `x = a - u/e` and one system is all: whoever stands on all of them is at rest
+//! at once, however high a tower is.
+//!
 //! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method
 //! for who pushes); Todorov 2014, Castro and others 2022 (the same for contact).
 
 use crate::solve::block_cholesky::{Block, BlockCholesky};
-use crate::solve::friction::{disc, square_across};
+use crate::solve::friction::{disc, into_cone, square_across};
 use crate::solve::rigid_contact::{RigidContact, dot};
 use crate::solve::sweeps::Island;
 use stationary_calculus::array;
@@ -58,6 +61,17 @@ pub(crate) struct Proximal<const F: usize, const D: usize> {
     step: Vec<[f64; F]>,
     /// One over the compliance that is added to a row, relative to the row's own.
     firm: f64,
+}
+
+/// By which answers of the contacts Newton's matrix is made.
+#[derive(Clone, Copy)]
+enum Judged {
+    /// Those to the rates as they are.
+    AsItIs,
+    /// Whoever pushes and sticks is taken to go on.
+    AsBefore,
+    /// All push and stick.
+    Held,
 }
 
 /// What a contact answers to rates.
@@ -120,6 +134,29 @@ impl<const D: usize> Answer<D> {
     }
 }
 
+/// The answer of a contact that holds, whatever it takes.
+fn held<const F: usize, const D: usize>(
+    contact: &RigidContact<F, D>,
+    a: &[f64; D],
+    rates: [f64; D],
+    firm: f64,
+) -> [f64; D] {
+    let stiffness = held_stiffness(contact, firm);
+    array(|k| a[k] - rates[k] * stiffness[k][k])
+}
+
+/// How stiffly it answers.
+fn held_stiffness<const F: usize, const D: usize>(
+    contact: &RigidContact<F, D>,
+    firm: f64,
+) -> [[f64; D]; D] {
+    let mass = &contact.compliance;
+    let mut stiff = [[0.0; D]; D];
+    stiff.iter_mut().enumerate().for_each(|(k, row)| row[k] = firm * mass.across_mass);
+    stiff[0][0] = firm * mass.normal_mass;
+    stiff
+}
+
 impl<const F: usize, const D: usize> Proximal<F, D> {
     /// Changes the impulses of an island, and the velocities with them, given the compliance that
     /// is added relative to each row's own and the energy of what is left; says how many systems it
@@ -135,7 +172,8 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         self.start(island, x, w);
         let mut solved = 0;
         for newton in 0..NEWTONS {
-            let changed = self.assemble(island, w, newton == 0);
+            let judged = if newton == 0 { Judged::AsBefore } else { Judged::AsItIs };
+            let changed = self.assemble(island, w, judged);
             if (newton == 0 || changed) && !self.matrix.factor() {
                 break;
             }
@@ -155,6 +193,36 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         }
         self.go(island, x, w);
         solved
+    }
+
+    /// Changes the impulses of an island, and the velocities with them, to those with which every contact holds
+    /// what it touches, given the compliance that is added relative to each row's own; those that no contact can
+    /// have are taken back into its cone.
+    pub(crate) fn hold(
+        &mut self,
+        island: Island<F, D>,
+        soft: f64,
+        x: &mut [[f64; D]],
+        w: &mut [[f64; F]],
+    ) {
+        self.firm = soft.recip();
+        self.start(island, x, w);
+        self.assemble(island, w, Judged::Held);
+        if !self.matrix.factor() {
+            return;
+        }
+        self.matrix.solve(&mut self.step);
+        for (&body, step) in island.bodies.iter().zip(&self.step) {
+            (0..F).for_each(|f| w[body][f] += step[f]);
+        }
+        for (k, (contact, x)) in island.contacts.iter().zip(x.iter_mut()).enumerate() {
+            let held = held(contact, &self.centre[k], contact.rates(w), self.firm);
+            *x = into_cone(held, contact.friction);
+        }
+        give(island, &self.from, w);
+        for ((contact, x), a) in island.contacts.iter().zip(x).zip(&self.centre) {
+            contact.push(&array(|k| x[k] - a[k]), w);
+        }
     }
 
     /// Numbers the bodies of an island, says which are joined, and remembers where it starts.
@@ -191,8 +259,8 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
     }
 
     /// Brings Newton's matrix up to date, and writes the right side in the place of the step; says
-    /// whether the matrix has changed. At first, whoever pushes and sticks is taken to go on.
-    fn assemble(&mut self, island: Island<F, D>, w: &[[f64; F]], first: bool) -> bool {
+    /// whether the matrix has changed.
+    fn assemble(&mut self, island: Island<F, D>, w: &[[f64; F]], judged: Judged) -> bool {
         let still = w.len() - 1;
         self.step.clear();
         self.step.resize(island.bodies.len(), [0.0; F]);
@@ -201,12 +269,16 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         }
         let mut changed = false;
         for (k, contact) in island.contacts.iter().enumerate() {
-            let answer = Answer::of(contact, &self.centre[k], self.rates[k], self.firm);
-            let judged = match first {
-                true => Answer::of(contact, &self.centre[k], [0.0; D], self.firm),
-                false => answer,
+            let (a, rates, firm) = (&self.centre[k], self.rates[k], self.firm);
+            let answer = |rates: [f64; D]| Answer::of(contact, a, rates, firm);
+            let (x, stiffness) = match judged {
+                Judged::AsItIs => {
+                    let answer = answer(rates);
+                    (answer.x, answer.stiffness(contact, firm))
+                }
+                Judged::AsBefore => (answer(rates).x, answer([0.0; D]).stiffness(contact, firm)),
+                Judged::Held => (held(contact, a, rates, firm), held_stiffness(contact, firm)),
             };
-            let x = answer.x;
             let [a, b] = contact.bodies;
             let number = |body: usize| if body < still { Some(self.number[body]) } else { None };
             let numbers = [number(a), number(b)];
@@ -217,7 +289,6 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
                     *step += (0..D).map(|k| x[k] * rows[k][f]).sum::<f64>();
                 }
             }
-            let stiffness = judged.stiffness(contact, self.firm);
             let before = std::mem::replace(&mut self.stiff[k], stiffness);
             if stiffness == before {
                 continue;

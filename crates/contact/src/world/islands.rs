@@ -163,7 +163,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         let gain = bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max);
                         finest.max(ROUNDING * gain)
                     });
-                    let within = Within { settled, enough, reached, fine, of_pile: pile };
+                    let within = Within { settled, enough, still, reached, fine, of_pile: pile };
                     let conditions = Conditions { free, states, within };
                     let off = solver.solve([members, bodies], conditions, impulses, report)?;
                     if self.tolerance.is_none() {

@@ -7,6 +7,7 @@ mod exact;
 mod gaps;
 mod hull;
 mod hulls;
+mod judged;
 mod mesh_points;
 mod planar;
 mod planar_points;
@@ -18,6 +19,10 @@ mod spatial;
 mod step;
 
 use crate::Kind;
+
+pub use judged::{JudgedPair, judged_pairs};
+pub use points::SolidKind;
+pub use solids::Form;
 
 /// The kinds of trials of contact.
 pub const KINDS: &[Kind] = &[

@@ -11,7 +11,7 @@ use stationary_contact::{
 
 use super::exact::{ExactHulls, Place};
 use super::hulls::{Hull, Way, farthest};
-use super::points::{Pair, Which, configuration, form, placed, shape};
+use super::points::{Pair, SolidKind, configuration, form, placed, shape};
 use super::solids::Form;
 use crate::kinds::rigid::double_double::Twofold;
 use crate::{Draw, Kind, Verdict};
@@ -41,7 +41,8 @@ const AS_GOOD: f64 = 1e-13;
 fn spatial(draw: &mut Draw) -> Verdict {
     let size = draw.log_uniform(1e-6, 1e6);
     let ratio = if draw.chance(0.3) { draw.log_uniform(1e-2, 1.0) } else { 1.0 };
-    let forms = [size, size * ratio].map(|size| form(draw, size, &[Which::Box, Which::Hull]));
+    let forms =
+        [size, size * ratio].map(|size| form(draw, size, &[SolidKind::Box, SolidKind::Hull]));
     let Pair { forms, poses, margin, .. } = placed(draw, forms, size);
     let [first, second] = match forms.each_ref().map(shape) {
         [Ok(first), Ok(second)] => [first, second],

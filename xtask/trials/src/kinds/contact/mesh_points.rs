@@ -11,7 +11,7 @@ use stationary_rigid::{LieGroup, RigidMotion};
 use nalgebra::Vector3;
 
 use super::hulls::{Hull, farthest};
-use super::points::{Which, configuration, form, rotation, shape};
+use super::points::{SolidKind, configuration, form, rotation, shape};
 use super::solids::{Form, Three, exactly, minus, norm};
 use crate::kinds::rigid::double_double::Twofold;
 use crate::{Draw, Kind, Verdict};
@@ -111,7 +111,8 @@ fn drawn(draw: &mut Draw) -> Case {
     let size = draw.log_uniform(1e-6, 1e6);
     let surface = Surface::drawn(draw, size);
     let width = size * draw.log_uniform(1e-2, 1.0);
-    let form = form(draw, width, &[Which::Ball, Which::Capsule, Which::Box, Which::Hull]);
+    let form =
+        form(draw, width, &[SolidKind::Ball, SolidKind::Capsule, SolidKind::Box, SolidKind::Hull]);
     let level = draw.chance(0.5);
     let place_turn = if level { LieGroup::identity() } else { rotation(draw) };
     let turn = rotation(draw);

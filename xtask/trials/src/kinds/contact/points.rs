@@ -41,30 +41,37 @@ pub(super) struct Pair {
     size: f64,
 }
 
-/// Which form.
-#[derive(Clone, Copy)]
-pub(super) enum Which {
+/// Kinds of solids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolidKind {
+    /// Edges of three lengths.
     Box,
+    /// A radius.
     Ball,
+    /// A length and a radius.
     Capsule,
+    /// A length and a radius.
     Cylinder,
+    /// A height and a radius.
     Cone,
+    /// Three half axes.
     Ellipsoid,
+    /// The hull of four to nine points.
     Hull,
 }
 
-const ALL: [Which; 7] = [
-    Which::Box,
-    Which::Ball,
-    Which::Capsule,
-    Which::Cylinder,
-    Which::Cone,
-    Which::Ellipsoid,
-    Which::Hull,
+const ALL: [SolidKind; 7] = [
+    SolidKind::Box,
+    SolidKind::Ball,
+    SolidKind::Capsule,
+    SolidKind::Cylinder,
+    SolidKind::Cone,
+    SolidKind::Ellipsoid,
+    SolidKind::Hull,
 ];
 
 /// One of these forms.
-pub(super) fn form(draw: &mut Draw, size: f64, of: &[Which]) -> Form {
+pub(super) fn form(draw: &mut Draw, size: f64, of: &[SolidKind]) -> Form {
     let thin = match draw.below(4) {
         0 => draw.log_uniform(1e-4, 1.0),
         _ => draw.uniform(0.3, 1.0),
@@ -73,13 +80,13 @@ pub(super) fn form(draw: &mut Draw, size: f64, of: &[Which]) -> Form {
     let swap = draw.chance(0.5);
     let (a, b) = if swap { (short, size) } else { (size, short) };
     match draw.one_of(of) {
-        Which::Box => Form::Box([size, draw.one_of(&[short, size]), short]),
-        Which::Ball => Form::Ball(size),
-        Which::Capsule => Form::Capsule(a, b),
-        Which::Cylinder => Form::Cylinder(a, b),
-        Which::Cone => Form::Cone(a, b),
-        Which::Ellipsoid => Form::Ellipsoid([size, draw.one_of(&[short, size]), short]),
-        Which::Hull => {
+        SolidKind::Box => Form::Box([size, draw.one_of(&[short, size]), short]),
+        SolidKind::Ball => Form::Ball(size),
+        SolidKind::Capsule => Form::Capsule(a, b),
+        SolidKind::Cylinder => Form::Cylinder(a, b),
+        SolidKind::Cone => Form::Cone(a, b),
+        SolidKind::Ellipsoid => Form::Ellipsoid([size, draw.one_of(&[short, size]), short]),
+        SolidKind::Hull => {
             let count = draw.between(4, 9);
             let scale = [size, size, short];
             let corner = |draw: &mut Draw| scale.map(|s| s * draw.symmetric());
@@ -298,17 +305,19 @@ fn rate(
 }
 
 /// What knows how far two solids are apart.
-struct Referee {
+pub(super) struct Referee {
     exact: [Solid<Twofold>; 2],
     /// The largest separation that was found by directions of its own.
-    best: f64,
+    pub(super) best: f64,
+    /// The larger of size and coordinate, m.
+    pub(super) scale: f64,
     promised: f64,
     /// How far points may be off, m.
     place: f64,
 }
 
 impl Referee {
-    fn of(pair: &Pair, seeds: [u64; 2]) -> Self {
+    pub(super) fn of(pair: &Pair, seeds: [u64; 2]) -> Self {
         let place =
             |k: usize| (pair.poses[k].translation.into(), pair.poses[k].rotation.quaternion());
         let [(x, p), (y, q)] = [place(0), place(1)];
@@ -322,23 +331,28 @@ impl Referee {
             Form::Floor => separation([&exact[0], &exact[1]], &exactly([0.0, 0.0, -1.0])).value(),
             _ => search(&coarse, &exact, seeds),
         };
-        let promised = 1e-12 * scale.max(coordinate);
+        let scale = scale.max(coordinate);
+        let promised = 1e-12 * scale;
         let place = match &pair.forms {
             [Form::Box(_), Form::Box(_)] => {
                 10.0 * promised + 4e-9 * pair.forms[0].thin().max(pair.forms[1].thin())
             }
             _ => 10.0 * promised,
         };
-        Referee { exact, best, promised, place }
+        Referee { exact, best, scale, promised, place }
+    }
+
+    /// The separation along a direction; none along zero.
+    pub(super) fn separation_along(&self, direction: &V) -> Option<f64> {
+        let n = unit(&exactly::<Twofold>((*direction).into()))?;
+        let [a, b] = &self.exact;
+        Some(separation([a, b], &n).value())
     }
 
     fn certify(&self, contacts: &[ContactPoint], closest: &ContactPoint) -> Verdict {
         let [a, b] = &self.exact;
         let promised = self.promised;
-        let own = |c: &ContactPoint| {
-            let n = unit(&exactly::<Twofold>(c.normal.into()))?;
-            Some(separation([a, b], &n).value())
-        };
+        let own = |c: &ContactPoint| self.separation_along(&c.normal);
         if own(closest).is_none() {
             return Verdict::wrong("no normal");
         }

@@ -94,17 +94,22 @@ fn size<T: Number>(a: T) -> T {
     if a.value() < 0.0 { -a } else { a }
 }
 
-/// A solid in its own axes.
+/// A solid in its own axes, m.
 #[derive(Clone, Debug)]
-pub(super) enum Form {
+pub enum Form {
+    /// Its radius.
     Ball(f64),
-    /// Half length and radius.
+    /// Half length along z and radius.
     Capsule(f64, f64),
+    /// Half length along z and radius.
     Cylinder(f64, f64),
-    /// Height and radius.
+    /// Height along z and radius; the origin is its centre of mass.
     Cone(f64, f64),
+    /// Half axes.
     Ellipsoid([f64; 3]),
+    /// Half sizes.
     Box([f64; 3]),
+    /// Its corners, and perhaps others within.
     Hull(Vec<[f64; 3]>),
     /// Below z = 0.
     Floor,
