@@ -1,5 +1,5 @@
-//! Contact beside rapier, MuJoCo and drake: four problems, detection alone, and error against time of five scenes in
-//! one run, steps in turn.
+//! Contact beside rapier, Box2D, Box3D, MuJoCo and drake: four problems, detection alone, and error against time of
+//! five scenes in one run, steps in turn.
 //!
 //! `cargo run --manifest-path benches/contact/Cargo.toml`; with `PYTHON` the name of an interpreter
 //! that has `mujoco` and `drake`, those too. Processor time of one thread each. What is left is measured from each
@@ -7,6 +7,8 @@
 //! close once their gaps are used up, what of the momentum no impulses in Coulomb's cones explain, and
 //! how deep bodies overlap. Peers keep their defaults.
 
+mod box2d;
+mod box3d;
 mod cenic;
 mod detection;
 mod mujoco;
@@ -18,6 +20,8 @@ use rustix::time::{ClockId, clock_gettime};
 
 /// The step, s.
 pub const STEP: f64 = 1e-3;
+/// Substeps that Box2D and Box3D make of it.
+pub const SUBSTEPS: i32 = 4;
 /// Steps between two looks.
 pub const LOOKS: usize = 50;
 

@@ -1,4 +1,4 @@
-//! Boxes of space: ours and rapier3d-f64.
+//! Boxes of space: ours, rapier3d-f64 and box3d-rust.
 
 use nalgebra::Vector3;
 use rapier3d_f64::prelude::{
@@ -9,6 +9,7 @@ use stationary_contact::{Detector, SpatialWorld};
 use stationary_measure::SplitMix64;
 use stationary_rigid::{LieGroup, Poses, RigidMotion, Weight};
 
+use crate::box3d::Box3d;
 use crate::quality::{Left, Seen, look};
 use crate::{LOOKS, Row, STEP};
 
@@ -69,7 +70,7 @@ pub fn drift(q: &[f64], from: &[f64]) -> f64 {
     q.chunks_exact(7).zip(from.chunks_exact(7)).map(moved).fold(0.0, f64::max)
 }
 
-/// Both engines for some steps in turn.
+/// The engines for some steps in turn.
 fn in_turn(boxes: &Boxes, can_sleep: bool, before: f64, time: f64) -> Vec<Row> {
     let start = boxes.state.q.clone();
     let mut watch = boxes.detector().expect("colliders");
@@ -77,8 +78,11 @@ fn in_turn(boxes: &Boxes, can_sleep: bool, before: f64, time: f64) -> Vec<Row> {
     let mut ours: Ours = SpatialWorld::new(boxes.system.clone(), detector).expect("a world");
     let mut state = boxes.state.clone();
     let (mut world, handles) = rapier(&boxes.starts, can_sleep);
+    let mut third = Box3d::new(&boxes.starts, can_sleep);
     let asleep = if can_sleep { ", may sleep" } else { "" };
-    let mut rows = [Row::named("ours"), Row::named(&format!("rapier3d-f64{asleep}"))];
+    let peers = ["rapier3d-f64", "box3d-rust"].map(|name| Row::named(&format!("{name}{asleep}")));
+    let [second, last] = peers;
+    let mut rows = [Row::named("ours"), second, last];
     let velocities = |p: &[f64]| -> Vec<f64> {
         p.iter().zip(lightness(start.len() / 7)).map(|(p, light)| p * light).collect()
     };
@@ -86,21 +90,25 @@ fn in_turn(boxes: &Boxes, can_sleep: bool, before: f64, time: f64) -> Vec<Row> {
     for _ in 0..skipped {
         ours.step(&mut state, STEP).expect("a step");
         world.step();
+        third.step();
     }
     for step in 1..=(time / STEP).round() as usize {
         let looks = step % LOOKS == 0;
-        let was = looks.then(|| (state.clone(), states(&world, &handles)));
+        let was = looks.then(|| (state.clone(), states(&world, &handles), third.states()));
         rows[0].timed(|| ours.step(&mut state, STEP)).expect("a step");
         rows[1].timed(|| world.step());
-        if let Some((own, (q, v))) = was {
+        rows[2].timed(|| third.step());
+        if let Some((own, (q, v), (q3, v3))) = was {
             let left = seen(&mut watch, &own.q, &velocities(&own.p.0), &velocities(&state.p.0));
             rows[0].left = rows[0].left.or_worse(left);
             let after = states(&world, &handles).1;
             rows[1].left = rows[1].left.or_worse(seen(&mut watch, &q, &v, &after));
+            rows[2].left = rows[2].left.or_worse(seen(&mut watch, &q3, &v3, &third.states().1));
         }
     }
     rows[0].drift = drift(&state.q, &start);
     rows[1].drift = drift(&states(&world, &handles).0, &start);
+    rows[2].drift = drift(&third.states().0, &start);
     rows.to_vec()
 }
 

@@ -1,4 +1,4 @@
-//! A wall of bricks in the plane, struck by a heavy one: ours and rapier2d-f64.
+//! A wall of bricks in the plane, struck by a heavy one: ours, rapier2d-f64 and box2d-rust.
 
 use nalgebra::Vector2;
 use rapier2d_f64::prelude::{
@@ -10,6 +10,7 @@ use stationary_contact::{PlanarCollider, PlanarDetector, PlanarShape, PlanarWorl
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight};
 
+use crate::box2d::{Box2d, Brick};
 use crate::quality::{Seen, look};
 use crate::{LOOKS, Row, STEP};
 
@@ -65,16 +66,22 @@ pub fn struck(long: usize, high: usize, time: f64) -> Vec<Row> {
     p[3 * bricks] = STRIKER_MASS * SPEED;
     let mut state = State::new(start.clone(), Covector(p));
     let (mut world, handles) = rapier(&places, bricks);
+    let mut third = Box2d::new(places.iter().enumerate().map(|(body, &at)| {
+        let (mass, half) = of(body);
+        Brick { at, half, mass, speed: if body < bricks { 0.0 } else { SPEED } }
+    }));
     let mut watch = detector();
     let kick = [0.0, -GRAVITY * STEP, 0.0].repeat(bricks + 1);
-    let mut rows = [Row::named("ours"), Row::named("rapier2d-f64")];
+    let mut rows = ["ours", "rapier2d-f64", "box2d-rust"].map(Row::named);
     let velocities =
         |p: &[f64]| -> Vec<f64> { p.iter().zip(&lightness).map(|(p, light)| p * light).collect() };
     for step in 1..=(time / STEP).round() as usize {
-        let was = (step % LOOKS == 0).then(|| (state.clone(), states(&world, &handles)));
+        let was =
+            (step % LOOKS == 0).then(|| (state.clone(), states(&world, &handles), third.states()));
         rows[0].timed(|| ours.step(&mut state, STEP)).expect("a step");
         rows[1].timed(|| world.step());
-        let Some((own, (q, v))) = was else { continue };
+        rows[2].timed(|| third.step());
+        let Some((own, (q, v), (q3, v3))) = was else { continue };
         let mut seen = |q: &[f64], before: &[f64], after: &[f64]| {
             look(
                 &mut watch,
@@ -84,6 +91,7 @@ pub fn struck(long: usize, high: usize, time: f64) -> Vec<Row> {
         let left = seen(&own.q, &velocities(&own.p.0), &velocities(&state.p.0));
         rows[0].left = rows[0].left.or_worse(left);
         rows[1].left = rows[1].left.or_worse(seen(&q, &v, &states(&world, &handles).1));
+        rows[2].left = rows[2].left.or_worse(seen(&q3, &v3, &third.states().1));
     }
     let drift = |q: &[f64]| {
         let moved = |(q, from): (&[f64], &[f64])| (q[0] - from[0]).hypot(q[1] - from[1]);
@@ -91,6 +99,7 @@ pub fn struck(long: usize, high: usize, time: f64) -> Vec<Row> {
     };
     rows[0].drift = drift(&state.q);
     rows[1].drift = drift(&states(&world, &handles).0);
+    rows[2].drift = drift(&third.states().0);
     rows.to_vec()
 }
 

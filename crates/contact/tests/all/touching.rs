@@ -290,10 +290,11 @@ fn towers_of_up_to_a_thousand_boxes_that_lean_stand_and_cost_nothing_then() {
             assert!(rests && unsettled == 0 && gone < most, "{high} {off}: {gone:e} {unsettled}");
         }
     }
-    // Off by more some corners must lift, and neither Newton's method nor sweeps tell which: it creeps.
-    let Leaning { gone, .. } = lean(200, 0.4, &mut random, (50, None));
-    println!("200 high, off by 0.4: {gone:e}");
-    assert!(gone > 1e-6, "{gone:e}");
+    // Off by more some corners push nothing, and neither Newton's method nor sweeps tell which: some creep.
+    let crept = (0..8).map(|_| lean(100, 0.3, &mut random, (20, None)).gone);
+    let creeping = crept.filter(|gone| *gone > 1e-7).count();
+    println!("100 high, off by 0.3: {creeping} of 8 creep");
+    assert!(creeping > 0);
 }
 
 /// A tower is settled as far as asked, whatever is asked.
