@@ -140,11 +140,11 @@ pub(crate) fn facing(
         Source::Edges(one, other) => {
             let met = crossing([a, b], [one, other], &n, axis.separation);
             // Beside the ends of edges that are apart, the corners may be farther apart than the lines.
-            let closest = |points: &[V; 2]| {
+            let are_closest = |points: &[V; 2]| {
                 let wide = axis.separation > WIDE * size;
                 !wide || apart([a, b], [one, other], points) <= axis.separation + SHORT * size
             };
-            if let Some([x1, x2]) = met.filter(closest) {
+            if let Some([x1, x2]) = met.filter(are_closest) {
                 least = axis.separation;
                 let names = [one, other].map(|edge| edge_name(edge.corners));
                 append(names, x1, x2, n, least);

@@ -65,6 +65,7 @@ mod thin_sheet;
 mod time_of_impact;
 #[cfg(feature = "3d")]
 mod touching;
+mod towers;
 mod when;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod world;

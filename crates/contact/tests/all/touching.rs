@@ -6,7 +6,6 @@ use stationary_contact::{
     BodiesIn, Collider, ContactError, Detector, Shape, Spatial, SpatialWorld, WorldReport,
 };
 use stationary_integrators::State;
-use stationary_measure::SplitMix64;
 use stationary_rigid::{
     Body, BodyMetric, BodyMotion, Free, LieGroup, PointMass, Poses, RigidMotion, Rotation, Weight,
 };
@@ -236,82 +235,6 @@ fn a_pile_in_motion_leaves_a_tenth_of_a_steps_weight_where_nothing_is_asked_for(
     }
     println!("{unsettled} of {of_piles} steps of a pile are not settled");
     assert!(of_piles > 300 && unsettled < 5, "{of_piles} {unsettled}");
-}
-
-/// What a tower did whose boxes are off from each other.
-struct Leaning {
-    /// How far a box has gone, m.
-    gone: f64,
-    unsettled: usize,
-    /// The most that a step left, m/s.
-    left: f64,
-    /// Whether the last step solved nothing.
-    rests: bool,
-}
-
-/// Some steps of a tower whose boxes are off from each other by as much as `off` (m), to a tolerance.
-fn lean(
-    high: usize,
-    off: f64,
-    random: &mut SplitMix64,
-    (steps, tolerance): (usize, Option<f64>),
-) -> Leaning {
-    let mut boxes = columns_of_boxes(1, high).unwrap();
-    for pose in boxes.state.q.chunks_exact_mut(7) {
-        pose[..2].iter_mut().for_each(|place| *place += off * random.symmetric());
-    }
-    let mut state = boxes.state.clone();
-    let mut world = SpatialWorld::new(boxes.system.clone(), boxes.detector().unwrap()).unwrap();
-    if let Some(tolerance) = tolerance {
-        world = world.with_tolerance(tolerance).unwrap();
-    }
-    let mut leaning = Leaning { gone: 0.0, unsettled: 0, left: 0.0, rests: false };
-    for _ in 0..steps {
-        let report = world.step(&mut state, 1e-3).unwrap();
-        leaning.unsettled += usize::from(!report.settled);
-        leaning.left = leaning.left.max(report.residual).max(report.coulomb);
-        leaning.rests = report.solved + report.relaxed == 0;
-    }
-    let gone = |(a, b): (&[f64], &[f64])| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
-    let poses = state.q.chunks_exact(7).zip(boxes.state.q.chunks_exact(7));
-    leaning.gone = poses.map(gone).fold(0.0, f64::max);
-    leaning
-}
-
-/// At the default tolerance.
-#[test]
-fn towers_of_up_to_a_thousand_boxes_that_lean_stand_and_cost_nothing_then() {
-    let mut random = SplitMix64::new(20271201);
-    for high in [30, 100, 150, 400, 1000] {
-        for off in [0.0, 1e-3, 3e-2, 0.1] {
-            let Leaning { gone, unsettled, rests, .. } = lean(high, off, &mut random, (100, None));
-            println!("{high} high, off by {off}: {gone:e}");
-            let most = if high > 400 { 1e-7 } else { 1e-9 };
-            assert!(rests && unsettled == 0 && gone < most, "{high} {off}: {gone:e} {unsettled}");
-        }
-    }
-    // Off by more some corners push nothing, and neither Newton's method nor sweeps tell which: some creep.
-    let crept = (0..8).map(|_| lean(100, 0.3, &mut random, (20, None)).gone);
-    let creeping = crept.filter(|gone| *gone > 1e-7).count();
-    println!("100 high, off by 0.3: {creeping} of 8 creep");
-    assert!(creeping > 0);
-}
-
-/// A tower is settled as far as asked, whatever is asked.
-#[test]
-fn a_tower_that_leans_is_settled_as_far_as_asked() {
-    let mut random = SplitMix64::new(20281128);
-    for high in [60, 100, 200] {
-        for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
-            let asked = (50, Some(tolerance));
-            let Leaning { gone, unsettled, left, .. } = lean(high, 1e-3, &mut random, asked);
-            println!("{high} high to {tolerance}: {gone:e} {left:e}");
-            assert!(
-                unsettled == 0 && left <= tolerance,
-                "{high} {tolerance}: {left:e} {unsettled}"
-            );
-        }
-    }
 }
 
 #[test]
