@@ -8,7 +8,7 @@ use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, IMPULSE_ROUNDING, SolvesIslands, Within};
 use crate::solve::rolling::Turns;
 use crate::world::memory::Memory;
-use crate::world::resting::Guessed;
+use crate::world::resting::{CHANGE, Guessed};
 use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
 use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
@@ -116,13 +116,15 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let mut reached = limits.reached(settled);
             let off = match resting.off(members, guessed, settled) {
                 Some(off) => {
-                    let stands =
-                        bodies.iter().all(|&body| resting.stands(body, settled.min(still)));
+                    let change = bodies.iter().map(|&body| resting.change(body));
+                    let change = change.fold(0.0, f64::max);
+                    let stands = change <= CHANGE * settled.min(still);
                     // What is left of a velocity by rounding of what holds a body is none.
                     let rounding = IMPULSE_ROUNDING * resting.fastest_push(members, guessed);
                     let speed =
                         |&body: &usize| speed::<G>(resting.before(body).as_ref(), radius(body));
-                    let still = stands && bodies.iter().map(speed).all(|speed| speed <= rounding);
+                    let fastest = bodies.iter().map(speed).fold(0.0, f64::max);
+                    let still = stands && fastest <= rounding;
                     let none = G::Velocity::default();
                     for &body in bodies {
                         let velocity = match (still, stands) {
@@ -137,7 +139,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
                     if stands && bodies.iter().flat_map(forces).all(|&gain| gain == 0.0) {
                         members.iter().for_each(|&i| impulses[i] = G::Vector::default());
                     }
-                    off
+                    // What is kept, though the impulses would change it, moves at most two against each other.
+                    let kept = match (still, stands) {
+                        (true, _) => change + fastest,
+                        (false, true) => change,
+                        (false, false) => 0.0,
+                    };
+                    off.map(|off| off + 2.0 * kept)
                 }
                 None => {
                     let free = FreeMotion { points: contacts, q, v: &v.0, mass: &self.mass, bias };

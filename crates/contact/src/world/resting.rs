@@ -12,13 +12,15 @@
 //! whole bodies: no tangents, no rows. The conditions are sufficient: what is off from them bounds
 //! what is off from the normal conditions and from Coulomb's law, for projections bring nothing
 //! farther apart. Without the last one an error of the impulses, too small to be noticed in one
-//! step, would come back with the other sign for ever.
+//! step, would come back with the other sign for ever. What is kept though the impulses would change it
+//! is part of the residual that is reported: at most twice the fastest point's change, of two bodies
+//! against each other.
 
 use crate::solve::body_state::BodyState;
 use crate::{ContactIn, Dimension};
 
 /// The part of what counts as settled by which velocities may change in what rests.
-const CHANGE: f64 = 1.0 / 16.0;
+pub(crate) const CHANGE: f64 = 1.0 / 16.0;
 /// Friction, relative to what pushes, that is rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -139,11 +141,11 @@ impl<G: Dimension> Resting<G> {
         Some(worst)
     }
 
-    /// Whether nothing of a body changes.
+    /// By how much any point of a body changes its velocity at most, m/s.
     #[inline]
-    pub(crate) fn stands(&self, body: usize, settled: f64) -> bool {
+    pub(crate) fn change(&self, body: usize) -> f64 {
         let Moved { change: (v, w), reach, .. } = self.moved[body];
-        G::dot(&v, &v).sqrt() + reach * G::spin_speed(&w) <= CHANGE * settled
+        G::dot(&v, &v).sqrt() + reach * G::spin_speed(&w)
     }
 
     /// The fastest that one impulse of an island would make a body that it pushes, m/s.

@@ -34,8 +34,6 @@ const PILE: usize = 100;
 const THROUGH: f64 = 0.02;
 /// Lifting some may push others into each other, by this part of the deepest overlap.
 const LIFTED: f64 = 0.5;
-/// What rests on impulses that change its velocity by no more than this part of the tolerance stands.
-const STANDS: f64 = 1.0 / 200.0;
 /// Turns in a step beyond this may be refused, rad.
 const MANY_TURNS: f64 = 1e4;
 /// Samples of a way at most.
@@ -178,11 +176,10 @@ impl<'a> Referee<'a> {
             }
             let radius = body.hull.radius;
             let moves = from.p.norm() + to.p.norm() + weight + pushed;
-            let off = 4.0 * off + STANDS * self.fine(step);
-            let promised = ROUNDING * moves + body.mass * off;
+            let promised = ROUNDING * moves + body.mass * 4.0 * off;
             let momentum = Verdict::of((to.p - p).norm(), promised, "momentum of a body");
             let turns = from.l.norm() + to.l.norm() + pushed * radius + rolled;
-            let promised = ROUNDING * turns + body.mass * radius * off;
+            let promised = ROUNDING * turns + body.mass * radius * 4.0 * off;
             let lifted = step.report.overlap > 0.0;
             let error = if lifted { (to.l.norm() - l.norm()).abs() } else { (to.l - l).norm() };
             let spin = Verdict::of(error, promised, "angular momentum of a body");
@@ -212,7 +209,7 @@ impl<'a> Referee<'a> {
             let t = moving.map(|(p, l)| body.kinetic(&from.pose.r, p, l));
             let rise = (to.pose.x - from.pose.x).dot(&up);
             let lift = weight * (rise - h * to.p.dot(&up) / body.mass);
-            let kick = -h * weight * (impacts[k] + to.p).dot(&up) / (2.0 * body.mass);
+            let kick = -h * weight * (impacts[k].0 + to.p).dot(&up) / (2.0 * body.mass);
             kinetic += t[1] - t[0];
             gained += t[1] - t[0] + weight * rise;
             lifted += lift;
@@ -247,15 +244,17 @@ impl<'a> Referee<'a> {
         verdict
     }
 
-    /// Momenta after impacts without friction.
-    fn impacts(&self, step: &Step) -> Vec<Vector3<f64>> {
-        let mut p: Vec<_> = step.before.iter().map(|m| m.p).collect();
+    /// Momenta, and angular ones, after impacts without friction.
+    fn impacts(&self, step: &Step) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        let mut momenta: Vec<_> = step.before.iter().map(|m| (m.p, m.l)).collect();
         for touch in step.touches {
-            for (body, sign, _) in touch.sides() {
-                p[body] += touch.normal * (sign * touch.impact);
+            for (body, sign, arm) in touch.sides() {
+                let impulse = touch.normal * (sign * touch.impact);
+                momenta[body].0 += impulse;
+                momenta[body].1 += arm.cross(&impulse);
             }
         }
-        p
+        momenta
     }
 
     /// The work of what is pushed on the others.
@@ -299,11 +298,15 @@ impl<'a> Referee<'a> {
     fn residuals(&self, step: &Step) -> Verdict {
         let (h, report) = (step.h, step.report);
         let gain = self.case.gravity * h;
+        let impacts = self.impacts(step);
         let speed = |(k, body): (usize, &Body)| {
-            let both = [&step.before[k], &step.after[k]].map(|m| {
-                m.p.norm() / body.mass + body.hull.radius * body.spin(&m.pose.r, &m.l).norm()
-            });
-            both[0].max(both[1])
+            let (from, to) = (&step.before[k], &step.after[k]);
+            let between = &impacts[k];
+            let speed = |(p, l): (&Vector3<f64>, &Vector3<f64>)| {
+                p.norm() / body.mass + body.hull.radius * body.spin(&from.pose.r, l).norm()
+            };
+            let all = [(&from.p, &from.l), (&between.0, &between.1), (&to.p, &to.l)].map(speed);
+            all.into_iter().fold(0.0, f64::max)
         };
         let fastest = self.bodies.iter().enumerate().map(speed).fold(gain, f64::max);
         let rounding = 1e-10 * fastest + 20.0 * f64::EPSILON * step.farthest() / h;
