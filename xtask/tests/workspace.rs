@@ -57,24 +57,32 @@ fn the_tests_compile_nothing_of_the_report_again() {
     assert!(other.is_empty(), "give xtask the features that tests have: {other:#?}");
 }
 
+/// What of a choice of packages is from outside and compiled otherwise than for the whole workspace.
+fn compiled_again(selection: &[&str]) -> Vec<(String, String)> {
+    let whole = features(&["--workspace", "--edges", "normal,build,dev"]);
+    let chosen = features(selection).into_iter();
+    let outside = chosen.filter(|(package, _)| !package.starts_with("stationary"));
+    outside.filter(|(package, f)| whole.get(package) != Some(f)).collect()
+}
+
 #[test]
 fn what_is_built_beside_the_package_alike_compiles_nothing_from_outside_again() {
-    let whole = features(&["--workspace", "--edges", "normal,build,dev"]);
     for part in ["stationary-calculus", "stationary-scene", "stationary-trials"] {
-        let beside = features(&[
-            "--package",
-            "stationary-alike",
-            "--package",
-            part,
-            "--no-default-features",
-            "--edges",
-            "normal,build",
-        ]);
-        let outside = beside.iter().filter(|(package, _)| !package.starts_with("stationary"));
-        let other: Vec<_> =
-            outside.filter(|(package, f)| whole.get(*package) != Some(*f)).collect();
+        let beside = ["--package", "stationary-alike", "--package", part];
+        let bare = ["--no-default-features", "--edges", "normal,build,dev"];
+        let other = compiled_again(&[&beside[..], &bare].concat());
         assert!(other.is_empty(), "give `stationary-alike` the features of all: {other:#?}");
     }
+}
+
+#[test]
+fn tests_of_robots_compile_nothing_again_on_which_scenes_stand() {
+    let readers = "stationary-import/urdf,stationary-import/mjcf";
+    let robots = ["--package", "stationary-import", "--package", "xtask", "--features", readers];
+    let mut other = compiled_again(&[&robots[..], &["--edges", "normal,build,dev"]].concat());
+    let scenes = features(&["--package", "stationary-scene", "--edges", "normal,build"]);
+    other.retain(|(package, _)| scenes.contains_key(package));
+    assert!(other.is_empty(), "give `stationary-alike` the features of all: {other:#?}");
 }
 
 /// `cargo fmt` follows `mod` lines, and those of the studies are made by their list.
