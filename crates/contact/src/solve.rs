@@ -5,6 +5,7 @@ pub(crate) mod rigid_contact;
 pub(crate) mod friction;
 pub(crate) mod islands;
 pub(crate) mod block_cholesky;
+pub(crate) mod grip;
 pub(crate) mod proximal;
 pub(crate) mod rolling;
 pub(crate) mod sweeps;

@@ -16,20 +16,26 @@
 //! changed, sparsely: a heap is nearly a tree. Where Newton's method is cut short, the last line
 //! still lowers the energy.
 //!
-//! Where all contacts are taken to hold, `x = a - u/e` and one system is all: whoever stands on all of them is at rest
-//! at once, however high a tower is.
+//! Where contacts are taken to hold, `x = a - u/e`, and to let go where `x` would pull (see [`Grip`]), what stands on
+//! them is at rest after a few systems, however high a tower is. `u` is then what it was plus what steps change, as
+//! rounding of `w` over so small an `e` would be seen in `x`.
 //!
 //! Source: Rockafellar 1976 (proximal points); Hintermueller, Ito and Kunisch 2003 (Newton's method
-//! for who pushes); Todorov 2014, Castro and others 2022 (the same for contact).
+//! for who pushes, as active sets); Todorov 2014, Castro and others 2022 (the same for contact).
 
 use crate::solve::block_cholesky::{Block, BlockCholesky};
 use crate::solve::friction::{disc, into_cone, square_across};
+use crate::solve::grip::Grip;
 use crate::solve::rigid_contact::{RigidContact, dot};
 use crate::solve::sweeps::Island;
 use stationary_calculus::array;
 
 /// The most steps of Newton's method.
 const NEWTONS: usize = 8;
+/// The most systems of contacts that are let hold, and those of the same ones: more than one, for what is so stiff
+/// leaves its rounding.
+const HOLDS: usize = 12;
+const REFINEMENTS: usize = 3;
 /// Slopes along a step of Newton's method that are tried.
 const TRIES: usize = 12;
 /// The part of the slope at the start that may be left at the end.
@@ -61,6 +67,8 @@ pub(crate) struct Proximal<const F: usize, const D: usize> {
     step: Vec<[f64; F]>,
     /// One over the compliance that is added to a row, relative to the row's own.
     firm: f64,
+    /// How each contact is taken to grip.
+    grips: Vec<Grip>,
 }
 
 /// By which answers of the contacts Newton's matrix is made.
@@ -70,8 +78,8 @@ enum Judged {
     AsItIs,
     /// Whoever pushes and sticks is taken to go on.
     AsBefore,
-    /// All push and stick.
-    Held,
+    /// What each is taken to grip.
+    AsItGrips,
 }
 
 /// What a contact answers to rates.
@@ -134,29 +142,6 @@ impl<const D: usize> Answer<D> {
     }
 }
 
-/// The answer of a contact that holds, whatever it takes.
-fn held<const F: usize, const D: usize>(
-    contact: &RigidContact<F, D>,
-    a: &[f64; D],
-    rates: [f64; D],
-    firm: f64,
-) -> [f64; D] {
-    let stiffness = held_stiffness(contact, firm);
-    array(|k| a[k] - rates[k] * stiffness[k][k])
-}
-
-/// How stiffly it answers.
-fn held_stiffness<const F: usize, const D: usize>(
-    contact: &RigidContact<F, D>,
-    firm: f64,
-) -> [[f64; D]; D] {
-    let mass = &contact.compliance;
-    let mut stiff = [[0.0; D]; D];
-    stiff.iter_mut().enumerate().for_each(|(k, row)| row[k] = firm * mass.across_mass);
-    stiff[0][0] = firm * mass.normal_mass;
-    stiff
-}
-
 impl<const F: usize, const D: usize> Proximal<F, D> {
     /// Changes the impulses of an island, and the velocities with them, given the compliance that
     /// is added relative to each row's own and the energy of what is left; says how many systems it
@@ -195,34 +180,62 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         solved
     }
 
-    /// Changes the impulses of an island, and the velocities with them, to those with which every contact holds
-    /// what it touches, given the compliance that is added relative to each row's own; those that no contact can
-    /// have are taken back into its cone.
+    /// Changes the impulses of an island, and the velocities with them, to those with which contacts hold what they
+    /// touch, given the compliance that is added relative to each row's own: at `first` all of them, and then, until it
+    /// is the same ones, neither those that would pull nor the friction of those that would slide. What no contact can
+    /// have is taken back into its cone. Says how many systems it solved.
     pub(crate) fn hold(
         &mut self,
         island: Island<F, D>,
-        soft: f64,
+        (soft, first): (f64, bool),
         x: &mut [[f64; D]],
         w: &mut [[f64; F]],
-    ) {
+    ) -> usize {
         self.firm = soft.recip();
         self.start(island, x, w);
-        self.assemble(island, w, Judged::Held);
-        if !self.matrix.factor() {
-            return;
+        if first {
+            self.grips.clear();
+            self.grips.resize(x.len(), Grip::Holds);
         }
-        self.matrix.solve(&mut self.step);
-        for (&body, step) in island.bodies.iter().zip(&self.step) {
-            (0..F).for_each(|f| w[body][f] += step[f]);
-        }
-        for (k, (contact, x)) in island.contacts.iter().zip(x.iter_mut()).enumerate() {
-            let held = held(contact, &self.centre[k], contact.rates(w), self.firm);
-            *x = into_cone(held, contact.friction);
+        let (mut solved, mut same) = (0, 0);
+        while solved < HOLDS && same < REFINEMENTS {
+            if same == 0 {
+                // Made anew: what lets go would leave its rounding in the matrix.
+                self.matrix.reset(island.bodies.len(), &self.joints);
+                self.stiff.fill([[0.0; D]; D]);
+            }
+            let changed = self.assemble(island, w, Judged::AsItGrips);
+            if changed && !self.matrix.factor() {
+                break;
+            }
+            self.matrix.solve(&mut self.step);
+            solved += 1;
+            for (&body, step) in island.bodies.iter().zip(&self.step) {
+                (0..F).for_each(|f| w[body][f] += step[f]);
+            }
+            self.turn_by_step(island);
+            same += 1;
+            for (k, contact) in island.contacts.iter().enumerate() {
+                // Not from velocities: their rounding would be in what is so stiff, and nothing would balance.
+                let rates = array(|d| self.rates[k][d] + self.turn[k][d]);
+                let a = &self.centre[k];
+                self.rates[k] = rates;
+                let x = self.grips[k].answer(contact, a, rates, self.firm);
+                let next = self.grips[k].next(&x, rates[0], contact.friction);
+                if next != self.grips[k] {
+                    same = 0;
+                }
+                self.grips[k] = next;
+            }
         }
         give(island, &self.from, w);
-        for ((contact, x), a) in island.contacts.iter().zip(x).zip(&self.centre) {
+        for (k, (contact, x)) in island.contacts.iter().zip(x.iter_mut()).enumerate() {
+            let a = self.centre[k];
+            let answer = self.grips[k].answer(contact, &a, self.rates[k], self.firm);
+            *x = into_cone(answer, contact.friction);
             contact.push(&array(|k| x[k] - a[k]), w);
         }
+        solved
     }
 
     /// Numbers the bodies of an island, says which are joined, and remembers where it starts.
@@ -277,7 +290,10 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
                     (answer.x, answer.stiffness(contact, firm))
                 }
                 Judged::AsBefore => (answer(rates).x, answer([0.0; D]).stiffness(contact, firm)),
-                Judged::Held => (held(contact, a, rates, firm), held_stiffness(contact, firm)),
+                Judged::AsItGrips => {
+                    let grip = self.grips[k];
+                    (grip.answer(contact, a, rates, firm), grip.stiffness(contact, firm))
+                }
             };
             let [a, b] = contact.bodies;
             let number = |body: usize| if body < still { Some(self.number[body]) } else { None };
@@ -309,16 +325,21 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         changed
     }
 
-    /// The part of Newton's step to go: all of it, or to where the function is flat along it.
-    fn search(&mut self, island: Island<F, D>, w: &[[f64; F]], promised: f64) -> f64 {
-        let still = w.len() - 1;
+    /// How much Newton's step changes the rates.
+    fn turn_by_step(&mut self, island: Island<F, D>) {
         let (number, step) = (&self.number, &self.step);
-        let of = |body: usize| if body < still { step[number[body]] } else { [0.0; F] };
+        let of = |body: usize| number.get(body).map_or([0.0; F], |&number| step[number]);
         self.turn.clear();
         self.turn.extend(island.contacts.iter().map(|contact| {
             let [a, b] = contact.bodies;
             contact.pull(&of(a), &of(b))
         }));
+    }
+
+    /// The part of Newton's step to go: all of it, or to where the function is flat along it.
+    fn search(&mut self, island: Island<F, D>, w: &[[f64; F]], promised: f64) -> f64 {
+        self.turn_by_step(island);
+        let step = &self.step;
         let all = island.bodies.iter().zip(&self.base).zip(step);
         let (along, own) = all.fold((0.0, 0.0), |(along, own), ((&body, base), step)| {
             (along + dot(&w[body], step) - dot(base, step), own + dot(step, step))

@@ -11,7 +11,7 @@
 //! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
 //! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
 //! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
-//! no friction exceeds its reach. What nearly rests is first asked whether it stands where all contacts
+//! no friction exceeds its reach. What nearly rests is first asked whether it stands where contacts
 //! hold (see [`Sweeps::hold`]), and then takes steps of far smaller `e`; one that leaves more than before is taken
 //! back (see [`Sweeps::rest`]).
 
@@ -38,9 +38,9 @@ const MIN_REDUCTION: f64 = 0.25;
 /// the one before has left.
 const RESTING_STEPS: usize = 16;
 const RESTING_REDUCTION: f64 = 0.7;
-/// All contacts are let hold with these compliances in turn, each so many times at most, as long as no more than
-/// this part of what was left is left.
-const HOLDING_COMPLIANCES: [f64; 3] = [1e-8, 1e-6, 1e-4];
+/// Contacts are let hold with this compliance, less than that with which a tower of a thousand bends, so many times at
+/// most, as long as no more than this part of what was left is left.
+const HOLDING_COMPLIANCE: f64 = 1e-12;
 const HOLDS: usize = 4;
 const HOLDING_REDUCTION: f64 = 0.5;
 /// A sparse system takes as long as so many sweeps.
@@ -199,34 +199,27 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         [bound * x.len(), solved]
     }
 
-    /// Lets every contact of an island hold until no more than `least` is left, m/s: with little compliance, which
-    /// finds how what is soft is bent, and with more, which finds the digits of what is stiff. What leaves more than
-    /// before is taken back. Says how many sparse systems were solved.
+    /// Lets the contacts of an island hold until no more than `least` is left, m/s, or it helps too little; what leaves
+    /// more than before is taken back. Says how many sparse systems were solved.
     pub(crate) fn hold(&mut self, island: Island<F, D>, x: &mut [[f64; D]], least: f64) -> usize {
         let (mut left, mut solved) = (self.worst(island, x), 0);
-        for soft in HOLDING_COMPLIANCES {
-            for _ in 0..HOLDS {
-                if left <= least {
-                    return solved;
-                }
-                self.before.clear();
-                self.before.extend_from_slice(x);
-                self.proximal.hold(island, soft, x, &mut self.w);
-                solved += 1;
-                let now = self.worst(island, x);
-                if now > left || now.is_nan() {
-                    x.copy_from_slice(&self.before);
-                    self.refresh(island, x);
-                    // What slides or parts at once does not hold.
-                    if solved == 1 {
-                        return solved;
-                    }
-                }
-                if now > HOLDING_REDUCTION * left || now.is_nan() {
-                    break;
-                }
-                left = now;
+        for hold in 0..HOLDS {
+            if left <= least {
+                break;
             }
+            self.before.clear();
+            self.before.extend_from_slice(x);
+            let how = (HOLDING_COMPLIANCE, hold == 0);
+            solved += self.proximal.hold(island, how, x, &mut self.w);
+            let now = self.worst(island, x);
+            if now > left || now.is_nan() {
+                x.copy_from_slice(&self.before);
+                self.refresh(island, x);
+            }
+            if now > HOLDING_REDUCTION * left || now.is_nan() {
+                break;
+            }
+            left = now;
         }
         solved
     }
