@@ -240,7 +240,8 @@ impl<M: Material<D, R>, const N: usize, const D: usize, const R: usize, const Q:
     }
 
     /// The lower triangle of the Hessians of four elements.
-    #[inline(always)]
+    // Not for each sink again: it is most of what is compiled.
+    #[inline(never)]
     fn fill_hessian(
         &self,
         group: &Group<N, R, Q>,
