@@ -75,11 +75,11 @@ pub(crate) struct Proximal<const F: usize, const D: usize> {
 #[derive(Clone, Copy)]
 enum Judged {
     /// Those to the rates as they are.
-    AsItIs,
+    Now,
     /// Whoever pushes and sticks is taken to go on.
-    AsBefore,
+    Before,
     /// What each is taken to grip.
-    AsItGrips,
+    Gripping,
 }
 
 /// What a contact answers to rates.
@@ -157,7 +157,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         self.start(island, x, w);
         let mut solved = 0;
         for newton in 0..NEWTONS {
-            let judged = if newton == 0 { Judged::AsBefore } else { Judged::AsItIs };
+            let judged = if newton == 0 { Judged::Before } else { Judged::Now };
             let changed = self.assemble(island, w, judged);
             if (newton == 0 || changed) && !self.matrix.factor() {
                 break;
@@ -204,7 +204,7 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
                 self.matrix.reset(island.bodies.len(), &self.joints);
                 self.stiff.fill([[0.0; D]; D]);
             }
-            let changed = self.assemble(island, w, Judged::AsItGrips);
+            let changed = self.assemble(island, w, Judged::Gripping);
             if changed && !self.matrix.factor() {
                 break;
             }
@@ -285,12 +285,12 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
             let (a, rates, firm) = (&self.centre[k], self.rates[k], self.firm);
             let answer = |rates: [f64; D]| Answer::of(contact, a, rates, firm);
             let (x, stiffness) = match judged {
-                Judged::AsItIs => {
+                Judged::Now => {
                     let answer = answer(rates);
                     (answer.x, answer.stiffness(contact, firm))
                 }
-                Judged::AsBefore => (answer(rates).x, answer([0.0; D]).stiffness(contact, firm)),
-                Judged::AsItGrips => {
+                Judged::Before => (answer(rates).x, answer([0.0; D]).stiffness(contact, firm)),
+                Judged::Gripping => {
                     let grip = self.grips[k];
                     (grip.answer(contact, a, rates, firm), grip.stiffness(contact, firm))
                 }
