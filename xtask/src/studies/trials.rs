@@ -20,7 +20,7 @@ pub const STUDY: Entry<'static> = Entry {
 };
 
 /// The seed of the report's cases.
-const SEED: u64 = 75;
+const SEED: u64 = 77;
 
 /// Errors below this part of what was promised are not told apart.
 const FLOOR: f64 = 1e-9;
