@@ -1,7 +1,9 @@
 //! How contacts are taken to grip, until it is known which of them do.
 //!
 //! ```text
-//! x = a - u/e            holds                x_n of it, no friction      supports                0     lets go
+//! x = a - u/e                         holds
+//! x_n = a_n - u_n/e,   x_t = 0        supports
+//! x = 0                               lets go
 //! ```
 //! `a` impulses (N s), `u` rates (m/s), `e` a small compliance, 1/kg. What holds and would pull lets go, and what would
 //! rub beyond its reach only supports; what has let go and closes supports. The sets that push are found within a few
@@ -67,5 +69,23 @@ impl Grip {
             Grip::Holds if square_across(x) > reach * reach => Grip::Supports,
             other => other,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_pulls_lets_go_what_slides_only_supports_and_what_closes_supports_again() {
+        let friction = 0.5;
+        let next = |grip: Grip, x: [f64; 3], rate| grip.next(&x, rate, friction);
+        for grip in [Grip::Holds, Grip::Supports] {
+            assert_eq!(next(grip, [-1.0, 0.0, 0.0], 0.1), Grip::LetsGo);
+            assert_eq!(next(grip, [1.0, 0.3, 0.3], -0.1), grip);
+        }
+        assert_eq!(next(Grip::Holds, [1.0, 0.4, 0.4], 0.0), Grip::Supports);
+        assert_eq!(next(Grip::LetsGo, [0.0; 3], -0.1), Grip::Supports);
+        assert_eq!(next(Grip::LetsGo, [0.0; 3], 0.1), Grip::LetsGo);
     }
 }
