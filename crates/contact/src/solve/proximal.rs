@@ -180,23 +180,25 @@ impl<const F: usize, const D: usize> Proximal<F, D> {
         solved
     }
 
+    /// Takes so many contacts to hold, all of them.
+    pub(crate) fn grip(&mut self, contacts: usize) {
+        self.grips.clear();
+        self.grips.resize(contacts, Grip::Holds);
+    }
+
     /// Changes the impulses of an island, and the velocities with them, to those with which contacts hold what they
-    /// touch, given the compliance that is added relative to each row's own: at `first` all of them, and then, until it
+    /// touch, given the compliance that is added relative to each row's own: from those that gripped last on, until it
     /// is the same ones, neither those that would pull nor the friction of those that would slide. What no contact can
     /// have is taken back into its cone. Says how many systems it solved.
     pub(crate) fn hold(
         &mut self,
         island: Island<F, D>,
-        (soft, first): (f64, bool),
+        soft: f64,
         x: &mut [[f64; D]],
         w: &mut [[f64; F]],
     ) -> usize {
         self.firm = soft.recip();
         self.start(island, x, w);
-        if first {
-            self.grips.clear();
-            self.grips.resize(x.len(), Grip::Holds);
-        }
         let (mut solved, mut same) = (0, 0);
         while solved < HOLDS && same < REFINEMENTS {
             if same == 0 {

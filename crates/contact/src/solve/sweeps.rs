@@ -203,25 +203,31 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
     /// more than before is taken back. Says how many sparse systems were solved.
     pub(crate) fn hold(&mut self, island: Island<F, D>, x: &mut [[f64; D]], least: f64) -> usize {
         let (mut left, mut solved) = (self.worst(island, x), 0);
-        for hold in 0..HOLDS {
+        self.proximal.grip(x.len());
+        for _ in 0..HOLDS {
             if left <= least {
                 break;
             }
             self.before.clear();
             self.before.extend_from_slice(x);
-            let how = (HOLDING_COMPLIANCE, hold == 0);
-            solved += self.proximal.hold(island, how, x, &mut self.w);
-            let now = self.worst(island, x);
-            if now > left || now.is_nan() {
-                x.copy_from_slice(&self.before);
-                self.refresh(island, x);
-            }
+            solved += self.proximal.hold(island, HOLDING_COMPLIANCE, x, &mut self.w);
+            let now = self.keep_better(island, x, left);
             if now > HOLDING_REDUCTION * left || now.is_nan() {
                 break;
             }
             left = now;
         }
         solved
+    }
+
+    /// Takes back impulses that leave more than those before have `left`, m/s; says what they left.
+    fn keep_better(&mut self, island: Island<F, D>, x: &mut [[f64; D]], left: f64) -> f64 {
+        let now = self.worst(island, x);
+        if now > left || now.is_nan() {
+            x.copy_from_slice(&self.before);
+            self.refresh(island, x);
+        }
+        now
     }
 
     /// The larger of what is left of an island's conditions, m/s.
@@ -252,11 +258,7 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
             solved += self.proximal.step(island, soft, x, &mut self.w);
             self.sweep(island, x);
             relaxed += 2 * x.len();
-            let now = self.worst(island, x);
-            if now > left || now.is_nan() {
-                x.copy_from_slice(&self.before);
-                self.refresh(island, x);
-            }
+            let now = self.keep_better(island, x, left);
             if now > RESTING_REDUCTION * left || now.is_nan() {
                 break;
             }
