@@ -13,9 +13,11 @@
 //! A search ends with a [`Stationary`] place: a minimum, a flat one, or a saddle with a direction that
 //! leads down; or with a failure: the energy falls without end, no step lowers it, or the bound on the
 //! iterations is reached. It has converged where the residual is within the tolerance, or is what
-//! rounding makes of the terms it is the sum of, `|dV_i| <= 64 eps sum_j |H_ij| |q_j|`.
+//! rounding makes of the terms it is the sum of, `|dV_i| <= 64 eps sum_j |H_ij| |q_j|`; once it stands still, where
+//! q_j is close to zero, also what rounding of the largest component of q and of the largest force leaves.
 //! Source: notes 4.4 and 14.2. Finds minima; a saddle only if it starts there, and says so.
 
+mod asked;
 mod curvature;
 mod descent;
 mod terms;
@@ -23,12 +25,14 @@ mod terms;
 use crate::{
     HessianSolver, Metric, Newton, NewtonError, NewtonReport, Potential, Rung, SizeError, Vector,
 };
+use asked::Landscape;
 use descent::Descent;
 
 /// The search for a minimum of a potential.
 #[derive(Clone, Debug)]
 pub struct Equilibrium<'a, M, P, L> {
-    descent: Descent<'a, M, P, L>,
+    landscape: Landscape<'a, M, P, L>,
+    newton: Newton,
     history: Vec<f64>,
 }
 
@@ -75,11 +79,8 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Equilibrium<'a, M, P, L> {
         solver: L,
         newton: Newton,
     ) -> Result<Self, SizeError> {
-        let n = metric.dim();
-        SizeError::check("the potential's freedoms", n, potential.dim())?;
-        SizeError::check("the solver's freedoms", n, solver.dim().unwrap_or(n))?;
-        let descent = Descent::new(metric, potential, solver, newton);
-        Ok(Equilibrium { descent, history: Vec::new() })
+        let landscape = Landscape::new(metric, potential, solver)?;
+        Ok(Equilibrium { landscape, newton, history: Vec::new() })
     }
 
     /// Moves `q` to where no force acts: see the report for what kind of place it is. On failure q
@@ -92,8 +93,10 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Equilibrium<'a, M, P, L> {
     /// of another size, a tolerance that is negative or none.
     pub fn find(&mut self, q: &mut [f64]) -> Result<EquilibriumReport, NewtonError> {
         self.history.clear();
-        let found = self.descent.run(q, &mut self.history);
-        found.map_err(|failure| NewtonError { failure, history: self.history.clone() })
+        let search = Descent::new(&mut self.landscape, self.newton);
+        search
+            .run(q, &mut self.history)
+            .map_err(|failure| NewtonError { failure, history: self.history.clone() })
     }
 
     /// The residual's size at the guess and after each step of the last search.
@@ -287,9 +290,17 @@ mod tests {
             |x, y| [if x > 0.3 { 1.0 } else { -1.0 }, 2.0 * y],
             |_, _| [0.0, 0.0, 2.0],
         );
-        let error = find(&kink, &mut [1.0, 1.0]).unwrap_err();
+        // So stiff, and beside a coordinate so large, that its rounding would move the kink by more than the force.
+        let beside = landscape(
+            |x, y| 0.1 * x.abs() + 2e7 * x * x + (y - 2e5).powi(2),
+            |x, y| [if x > 0.0 { 0.1 } else { -0.1 } + 4e7 * x, 2.0 * (y - 2e5)],
+            |_, _| [4e7, 0.0, 2.0],
+        );
         let progress = [crate::NewtonFailure::Stalled, crate::NewtonFailure::NotConverged];
-        assert!(progress.contains(&error.failure), "{error}");
+        for (kink, mut q) in [(kink, [1.0, 1.0]), (beside, [0.3, 0.6])] {
+            let error = find(&kink, &mut q).unwrap_err();
+            assert!(progress.contains(&error.failure), "{error}");
+        }
     }
 
     #[test]

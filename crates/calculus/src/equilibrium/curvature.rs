@@ -8,8 +8,9 @@
 //! apart from the others. rho is negative where it exceeds what rounding makes of its terms.
 //! Source: Parlett, The symmetric eigenvalue problem, chapter 4.
 
-use super::terms::{length, magnitudes};
-use crate::{Covector, HessianSolver, Metric, Potential, ProductSink, Rung, Unsolvable, Vector};
+use super::asked::Asked;
+use super::terms::{dot, length};
+use crate::{Rung, Unsolvable};
 use stationary_measure::SplitMix64;
 
 /// Rounds of inverse iteration, with a smaller shift each.
@@ -40,19 +41,17 @@ pub(super) struct Lowest {
 
 /// Finds the lowest curvature at q. The solver is left with the factor of `H + sigma M`, for the
 /// smallest sigma for which it is known to be definite; `None` where there is none.
-pub(super) fn lowest<M: Metric, P: Potential>(
-    solver: &mut impl HessianSolver,
-    metric: &M,
-    potential: &P,
+pub(super) fn lowest(
+    asked: &mut dyn Asked,
     q: &[f64],
     scale: f64,
 ) -> Result<Option<Lowest>, Unsolvable> {
-    let Some(mut sigma) = definite_shift(solver, metric, potential, q, scale)? else {
+    let Some(mut sigma) = definite_shift(asked, q, scale)? else {
         return Ok(None);
     };
     let mut random = SplitMix64::new(7);
     let mut x: Vec<f64> = (0..q.len()).map(|_| random.symmetric()).collect();
-    let mut found = iterate(solver, metric, potential, q, &mut x);
+    let mut found = iterate(asked, q, &mut x);
     for _ in 0..ROUNDS {
         let smaller = if found.is_negative {
             1.5 * found.curvature.abs()
@@ -62,18 +61,18 @@ pub(super) fn lowest<M: Metric, P: Potential>(
         if smaller > 0.5 * sigma {
             break;
         }
-        if factors(solver, metric, potential, q, smaller)? {
+        if factors(asked, q, smaller)? {
             sigma = smaller;
-            found = iterate(solver, metric, potential, q, &mut x);
+            found = iterate(asked, q, &mut x);
         } else {
             // Some eigenvalue is below -smaller: the shift in between shows it.
             let between = (sigma * smaller).sqrt();
-            if between < 0.5 * sigma && factors(solver, metric, potential, q, between)? {
+            if between < 0.5 * sigma && factors(asked, q, between)? {
                 sigma = between;
-            } else if !factors(solver, metric, potential, q, sigma)? {
+            } else if !factors(asked, q, sigma)? {
                 return Ok(None);
             }
-            let next = iterate(solver, metric, potential, q, &mut x);
+            let next = iterate(asked, q, &mut x);
             let settled = found.is_negative
                 && (next.curvature - found.curvature).abs() <= 0.1 * found.curvature.abs();
             found = next;
@@ -87,7 +86,7 @@ pub(super) fn lowest<M: Metric, P: Potential>(
         if !found.is_negative {
             break;
         }
-        found = iterate(solver, metric, potential, q, &mut x);
+        found = iterate(asked, q, &mut x);
         if (found.curvature - before).abs() <= SETTLED * before.abs() {
             break;
         }
@@ -97,14 +96,8 @@ pub(super) fn lowest<M: Metric, P: Potential>(
 }
 
 /// Factors the shifted Hessian; whether it is definite.
-fn factors<M: Metric, P: Potential>(
-    solver: &mut impl HessianSolver,
-    metric: &M,
-    potential: &P,
-    q: &[f64],
-    sigma: f64,
-) -> Result<bool, Unsolvable> {
-    match solver.factor_weighted(sigma, metric, 1.0, potential, q) {
+fn factors(asked: &mut dyn Asked, q: &[f64], sigma: f64) -> Result<bool, Unsolvable> {
+    match asked.factor(sigma, q) {
         Ok(rung) => Ok(rung == Rung::Cholesky),
         Err(Unsolvable::Singular | Unsolvable::Untrusted { .. }) => Ok(false),
         Err(error) => Err(error),
@@ -112,18 +105,12 @@ fn factors<M: Metric, P: Potential>(
 }
 
 /// The first shift of a ladder for which the shifted Hessian is definite.
-fn definite_shift<M: Metric, P: Potential>(
-    solver: &mut impl HessianSolver,
-    metric: &M,
-    potential: &P,
-    q: &[f64],
-    scale: f64,
-) -> Result<Option<f64>, Unsolvable> {
+fn definite_shift(asked: &mut dyn Asked, q: &[f64], scale: f64) -> Result<Option<f64>, Unsolvable> {
     if !(scale > 0.0 && scale.is_finite()) {
         return Ok(None);
     }
     for multiple in [SMALLEST, 1e-7, 1e-2, 2.0, 200.0, 2e4] {
-        if factors(solver, metric, potential, q, multiple * scale)? {
+        if factors(asked, q, multiple * scale)? {
             return Ok(Some(multiple * scale));
         }
     }
@@ -131,35 +118,27 @@ fn definite_shift<M: Metric, P: Potential>(
 }
 
 /// A few powers of the inverse, from x on, and the quotient there.
-fn iterate<M: Metric, P: Potential>(
-    solver: &mut impl HessianSolver,
-    metric: &M,
-    potential: &P,
-    q: &[f64],
-    x: &mut [f64],
-) -> Lowest {
+fn iterate(asked: &mut dyn Asked, q: &[f64], x: &mut [f64]) -> Lowest {
     let n = x.len();
     let mut y = vec![0.0; n];
     for _ in 0..POWERS {
-        metric.flat(Vector(&*x), Covector(&mut y[..]));
-        solver.solve(&mut y);
-        let size = length(metric, &y, x);
+        asked.flat(x, &mut y);
+        asked.solve(&mut y);
+        let size = length(asked, &y, x);
         if !(size > 0.0 && size.is_finite()) {
             break;
         }
         x.iter_mut().zip(&y).for_each(|(x, y)| *x = y / size);
     }
-    let size = length(metric, x, &mut y);
+    let size = length(asked, x, &mut y);
     if size > 0.0 {
         x.iter_mut().for_each(|x| *x /= size);
     }
     y.fill(0.0);
-    if let Some(mut sink) = ProductSink::new(1.0, x, &mut y) {
-        potential.add_hessian(q, &mut sink);
-    }
-    let curvature = Covector(&y[..]).apply(&Vector(&*x));
+    asked.add_product(q, x, &mut y);
+    let curvature = dot(&y, x);
     let mut terms = vec![0.0; n];
-    magnitudes(potential, q, x, &mut terms);
+    asked.magnitudes(q, x, &mut terms);
     let size: f64 = terms.iter().zip(&*x).map(|(t, x)| t * x.abs()).sum();
     Lowest {
         direction: x.to_vec(),

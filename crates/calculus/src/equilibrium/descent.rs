@@ -9,13 +9,14 @@
 mod direction;
 mod line_search;
 
+use super::asked::Asked;
 use super::curvature::{Lowest, lowest};
-use super::terms::{magnitudes, scale};
+use super::terms::{dot, scale};
 use super::{EquilibriumReport, Stationary};
 use crate::equation::SQUARES;
 use crate::{
-    Covector, HessianSolver, Metric, Newton, NewtonEnd, NewtonFailure, NewtonReport, Potential,
-    Rung, SizeError, Unsolvable, Vector, first_non_finite,
+    Covector, Newton, NewtonEnd, NewtonFailure, NewtonReport, Rung, SizeError, Unsolvable, Vector,
+    first_non_finite,
 };
 use direction::Step;
 
@@ -32,12 +33,9 @@ const STANDSTILL: usize = 4;
 /// A search of more steps than this may have come to where higher derivatives decide.
 const DOZEN: u32 = 12;
 
-/// A search and its memory.
-#[derive(Clone, Debug)]
-pub(super) struct Descent<'a, M, P, L> {
-    metric: &'a M,
-    potential: &'a P,
-    solver: L,
+/// One search.
+pub(super) struct Descent<'a> {
+    asked: &'a mut dyn Asked,
     newton: Newton,
     /// The differential at the iterate.
     force: Vec<f64>,
@@ -54,13 +52,12 @@ pub(super) struct Descent<'a, M, P, L> {
     far: f64,
 }
 
-impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
-    pub(super) fn new(metric: &'a M, potential: &'a P, solver: L, newton: Newton) -> Self {
-        let zeros = || vec![0.0; metric.dim()];
+impl<'a> Descent<'a> {
+    pub(super) fn new(asked: &'a mut dyn Asked, newton: Newton) -> Self {
+        let n = asked.freedoms();
+        let zeros = || vec![0.0; n];
         Descent {
-            metric,
-            potential,
-            solver,
+            asked,
             newton,
             force: zeros(),
             step: zeros(),
@@ -75,12 +72,12 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
 
     /// Moves q to rest.
     pub(super) fn run(
-        &mut self,
+        mut self,
         q: &mut [f64],
         history: &mut Vec<f64>,
     ) -> Result<EquilibriumReport, NewtonFailure> {
         self.newton.check_tolerance()?;
-        let n = self.metric.dim();
+        let n = self.force.len();
         SizeError::check("the configuration's numbers", n, q.len()).map_err(NewtonFailure::Size)?;
         let mut report = NewtonReport { residuals: 1, ..NewtonReport::default() };
         let mut highest_rung = Rung::Cholesky;
@@ -95,7 +92,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
         let mut energy = None;
         while size > self.newton.tolerance {
             if report.iterations as usize >= self.newton.iterations {
-                return if self.is_rounding(q, largest(q).max(FORGOTTEN * guess)) {
+                return if self.is_rounding_as_a_whole(q, guess) {
                     report.end = NewtonEnd::Rounding;
                     break;
                 } else {
@@ -108,10 +105,11 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
             highest_rung = highest_rung.max(rung);
             report.iterations += 1;
             let nearly = largest(&self.step) <= NEARLY * largest(q).max(guess);
-            let least = largest(q).max(FORGOTTEN * guess);
             let rounding = match kind {
-                Step::Newton if nearly && stands_still(history) => self.is_rounding(q, least),
-                Step::Newton if nearly => self.is_rounding(q, 0.0),
+                Step::Newton if nearly && stands_still(history) => {
+                    self.is_rounding_as_a_whole(q, guess)
+                }
+                Step::Newton if nearly => self.is_rounding(q),
                 _ => false,
             };
             if rounding {
@@ -132,7 +130,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                 Some(energy) => energy,
                 None => {
                     report.energies += 1;
-                    self.potential.energy(q)
+                    self.asked.energy(q)
                 }
             };
             let relaxed = match kind {
@@ -150,7 +148,7 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
                     (size, energy) = (found.size, Some(found.energy));
                     history.push(size);
                 }
-                None if self.is_rounding(q, least) => {
+                None if self.is_rounding_as_a_whole(q, guess) => {
                     report.end = NewtonEnd::Rounding;
                     break;
                 }
@@ -193,31 +191,46 @@ impl<'a, M: Metric, P: Potential, L: HessianSolver> Descent<'a, M, P, L> {
     }
 
     fn factor(&mut self, q: &[f64]) -> Result<Rung, Unsolvable> {
-        self.solver.factor_weighted(0.0, self.metric, 1.0, self.potential, q)
+        self.asked.factor(0.0, q)
     }
 
     fn lowest(&mut self, q: &[f64]) -> Result<Option<Lowest>, NewtonFailure> {
-        let scale = scale(self.metric, self.potential, q);
-        lowest(&mut self.solver, self.metric, self.potential, q, scale)
-            .map_err(NewtonFailure::Unsolvable)
+        let scale = scale(self.asked, q);
+        lowest(self.asked, q, scale).map_err(NewtonFailure::Unsolvable)
     }
 
     fn differential(&mut self, q: &[f64]) {
         self.force.fill(0.0);
-        self.potential.add_differential(q, Covector(&mut self.force[..]));
+        self.asked.add_differential(q, Covector(&mut self.force[..]));
     }
 
     fn norm(&mut self) -> f64 {
-        norm(self.metric, &self.force, &mut self.scratch)
+        norm(self.asked, &self.force, &mut self.scratch)
     }
 
-    /// Whether each component of the differential is what rounding makes of its terms, where every
-    /// component of q is at least `least`.
-    fn is_rounding(&mut self, q: &[f64], least: f64) -> bool {
+    /// Whether each component of the differential is what rounding makes of its terms.
+    fn is_rounding(&mut self, q: &[f64]) -> bool {
+        self.asked.magnitudes(q, q, &mut self.scratch);
+        self.force.iter().zip(&self.scratch).all(|(f, t)| f.abs() <= ROUNDINGS * f64::EPSILON * t)
+    }
+
+    /// Whether the differential is what rounding makes of it as a whole. Beside a component of q that is to be zero
+    /// the force is `H q`, as large as its terms however close it comes: there it is measured by roundings of the
+    /// largest component of q, and must be no larger than what rounding leaves elsewhere, which at a kink it is.
+    fn is_rounding_as_a_whole(&mut self, q: &[f64], guess: f64) -> bool {
+        if self.is_rounding(q) {
+            return true;
+        }
+        let masses = self.asked.masses();
+        let of_mass = |(t, m): (&f64, &f64)| t / m.sqrt();
+        let elsewhere = self.scratch.iter().zip(&masses).map(of_mass).fold(0.0, f64::max);
+        let own = self.scratch.clone();
+        let least = largest(q).max(FORGOTTEN * guess);
         let sizes: Vec<f64> = q.iter().map(|q| q.abs().max(least)).collect();
-        magnitudes(self.potential, q, &sizes, &mut self.scratch);
-        let small = |(f, t): (&f64, &f64)| f.abs() <= ROUNDINGS * f64::EPSILON * t;
-        self.force.iter().zip(&self.scratch).all(small)
+        self.asked.magnitudes(q, &sizes, &mut self.scratch);
+        let terms = own.iter().zip(&self.scratch).zip(&masses);
+        let allowed = terms.map(|((own, t), m)| own.max(t.min(elsewhere * m.sqrt())));
+        self.force.iter().zip(allowed).all(|(f, t)| f.abs() <= ROUNDINGS * f64::EPSILON * t)
     }
 }
 
@@ -228,8 +241,8 @@ fn stands_still(history: &[f64]) -> bool {
 }
 
 /// `|M^-1 f|` in the metric. Squares that leave the range of numbers do not.
-fn norm(metric: &impl Metric, f: &[f64], scratch: &mut [f64]) -> f64 {
-    metric.sharp(Covector(f), Vector(&mut *scratch));
+fn norm(asked: &dyn Asked, f: &[f64], scratch: &mut [f64]) -> f64 {
+    asked.sharp(f, scratch);
     let square = dot(f, scratch);
     if SQUARES.contains(&square) || square.is_nan() {
         return square.sqrt();
@@ -239,14 +252,10 @@ fn norm(metric: &impl Metric, f: &[f64], scratch: &mut [f64]) -> f64 {
         return largest;
     }
     let unit: Vec<f64> = f.iter().map(|f| f / largest).collect();
-    metric.sharp(Covector(&unit), Vector(&mut *scratch));
+    asked.sharp(&unit, scratch);
     largest * dot(&unit, scratch).sqrt()
 }
 
 fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |largest, x| x.abs().max(largest))
-}
-
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }

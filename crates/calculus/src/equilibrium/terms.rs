@@ -7,13 +7,13 @@
 //! A configuration is rounded by eps q, which moves the differential by the Hessian times that: no
 //! residual can be told from zero below it (Oettli and Prager 1964).
 
-use crate::hessian_solver::Diagonal;
-use crate::{FIXED, Metric, Potential, Sink, Vector};
+use super::asked::Asked;
+use crate::{FIXED, Sink};
 
 /// Adds `|B| |x|` of each block.
-struct Magnitudes<'a> {
-    x: &'a [f64],
-    y: &'a mut [f64],
+pub(super) struct Magnitudes<'a> {
+    pub(super) x: &'a [f64],
+    pub(super) y: &'a mut [f64],
 }
 
 impl Sink for Magnitudes<'_> {
@@ -32,45 +32,59 @@ impl Sink for Magnitudes<'_> {
     }
 }
 
-/// Writes `|H| |x|` block by block into y.
-pub(super) fn magnitudes(potential: &impl Potential, q: &[f64], x: &[f64], y: &mut [f64]) {
-    y.fill(0.0);
-    potential.add_hessian(q, &mut Magnitudes { x, y });
-}
-
 /// The scale s of the Hessian; 0 where there is none, not finite where the Hessian is not.
-pub(super) fn scale(metric: &impl Metric, potential: &impl Potential, q: &[f64]) -> f64 {
-    let n = metric.dim();
-    let (mut mass, mut rows) = (vec![0.0; n], vec![0.0; n]);
-    metric.add_matrix(&mut Diagonal { weight: 1.0, values: &mut mass });
-    let roots: Vec<f64> = mass.iter().map(|m| m.sqrt()).collect();
-    let inverse: Vec<f64> = roots.iter().map(|root| root.recip()).collect();
-    magnitudes(potential, q, &inverse, &mut rows);
+pub(super) fn scale(asked: &dyn Asked, q: &[f64]) -> f64 {
+    let inverse: Vec<f64> = asked.masses().iter().map(|m| m.sqrt().recip()).collect();
+    let mut rows = vec![0.0; inverse.len()];
+    asked.magnitudes(q, &inverse, &mut rows);
     let each = rows.iter().zip(&inverse).map(|(row, inverse)| row * inverse);
     crate::hessian_solver::largest_or_nan(each)
 }
 
 /// The length of a vector in the metric.
-pub(super) fn length(metric: &impl Metric, v: &[f64], p: &mut [f64]) -> f64 {
+pub(super) fn length(asked: &dyn Asked, v: &[f64], p: &mut [f64]) -> f64 {
     let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {
         return largest;
     }
     let unit: Vec<f64> = v.iter().map(|v| v / largest).collect();
-    metric.flat(Vector(&unit), crate::Covector(&mut *p));
-    largest * crate::Covector(p).apply(&Vector(&unit)).sqrt()
+    asked.flat(&unit, p);
+    largest * dot(p, &unit).sqrt()
+}
+
+pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DiagonalMetric;
+    use crate::equilibrium::asked::Landscape;
+    use crate::{Covector, DenseSolver, DiagonalMetric, Potential};
+
+    struct Level;
+
+    impl Potential for Level {
+        fn dim(&self) -> usize {
+            2
+        }
+
+        fn energy(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+
+        fn add_differential(&self, _: &[f64], _: Covector<&mut [f64]>) {}
+
+        fn add_hessian(&self, _: &[f64], _: &mut impl Sink) {}
+    }
 
     #[test]
     fn the_length_is_that_of_the_metric_at_every_scale() {
         let metric = DiagonalMetric::new([1.0, 4.0]).unwrap();
+        let solver = DenseSolver::<[f64; 2]>::new(2).unwrap();
+        let level = Landscape::new(&metric, &Level, solver).unwrap();
         for scale in [0.0, 1e-200, 1.0, 1e200] {
-            let length = length(&metric, &[3.0 * scale, 2.0 * scale], &mut [0.0; 2]);
+            let length = length(&level, &[3.0 * scale, 2.0 * scale], &mut [0.0; 2]);
             assert!((length - 5.0 * scale).abs() <= 1e-15 * length, "{scale}: {length}");
         }
     }

@@ -11,12 +11,9 @@
 //! no length of its own, because the Hessian is not definite, what of it is soft is kept beside it.
 //! Source: Nocedal and Wright, Numerical Optimization, chapter 3.4.
 
-use super::{Descent, dot, largest};
-use crate::equilibrium::terms::length;
-use crate::{
-    Covector, HessianSolver, Metric, NewtonFailure, Potential, Rung, Unsolvable, Vector,
-    first_non_finite,
-};
+use super::{Descent, largest};
+use crate::equilibrium::terms::{dot, length};
+use crate::{NewtonFailure, Rung, Unsolvable, first_non_finite};
 
 /// What a direction knows of its own length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +26,7 @@ pub(super) enum Step {
     ToAnyRest,
 }
 
-impl<M: Metric, P: Potential, L: HessianSolver> Descent<'_, M, P, L> {
+impl Descent<'_> {
     /// Writes the direction.
     ///
     /// `falls`: whether the residual is still far from what it was at first.
@@ -66,7 +63,7 @@ impl<M: Metric, P: Potential, L: HessianSolver> Descent<'_, M, P, L> {
     /// Writes `-A^-1 f` for the matrix that was factored last.
     pub(super) fn solve(&mut self) {
         self.step.copy_from_slice(&self.force);
-        self.solver.solve(&mut self.step);
+        self.asked.solve(&mut self.step);
         self.step.iter_mut().for_each(|p| *p = -*p);
     }
 
@@ -83,18 +80,18 @@ impl<M: Metric, P: Potential, L: HessianSolver> Descent<'_, M, P, L> {
         self.solve();
         if lowest.is_negative && !falls {
             // Along w as far as along the rest, to the side to which the force leads.
-            self.metric.flat(Vector(&lowest.direction), Covector(&mut self.scratch[..]));
+            self.asked.flat(&lowest.direction, &mut self.scratch);
             let backwards = dot(&self.scratch, &self.step) < 0.0;
-            let l = length(self.metric, &self.step, &mut self.scratch);
+            let l = length(self.asked, &self.step, &mut self.scratch);
             let l = if backwards { -l } else { l };
             self.step.iter_mut().zip(&lowest.direction).for_each(|(p, w)| *p += l * w);
         }
         // The factor at hand leaves of a vector what the Hessian does not hold back.
         self.soft.copy_from_slice(&self.step);
         for _ in 0..2 {
-            self.metric.flat(Vector(&self.soft), Covector(&mut self.scratch[..]));
+            self.asked.flat(&self.soft, &mut self.scratch);
             self.scratch.iter_mut().for_each(|p| *p *= lowest.sigma);
-            self.solver.solve(&mut self.scratch);
+            self.asked.solve(&mut self.scratch);
             self.soft.copy_from_slice(&self.scratch);
         }
         if first_non_finite(&self.step).or(first_non_finite(&self.soft)).is_some() {
@@ -108,7 +105,7 @@ impl<M: Metric, P: Potential, L: HessianSolver> Descent<'_, M, P, L> {
     fn along_the_force(&mut self, q: &[f64]) {
         let f = largest(&self.force);
         self.scratch.iter_mut().zip(&self.force).for_each(|(g, f0)| *g = f0 / f);
-        self.metric.sharp(Covector(&self.scratch), Vector(&mut self.step[..]));
+        self.asked.sharp(&self.scratch, &mut self.step);
         let (way, far) = (largest(&self.step), largest(q));
         let wanted = if far > 0.0 { 1e-3 * far } else { 1.0 };
         self.step.iter_mut().for_each(|p| *p *= -wanted / way);

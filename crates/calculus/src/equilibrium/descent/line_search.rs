@@ -10,8 +10,9 @@
 //! the watchdog of Chamberlain, Powell, Lemarechal and Pedersen (1982).
 
 use super::direction::Step;
-use super::{Descent, dot, largest, norm};
-use crate::{Covector, HessianSolver, Metric, NewtonFailure, NewtonReport, Potential, Rung};
+use super::{Descent, largest, norm};
+use crate::equilibrium::terms::dot;
+use crate::{Covector, NewtonFailure, NewtonReport, Rung};
 
 /// Armijo's constant: the part of the predicted fall that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
@@ -40,7 +41,7 @@ pub(super) struct Found {
     pub(super) energy: f64,
 }
 
-impl<M: Metric, P: Potential, L: HessianSolver> Descent<'_, M, P, L> {
+impl Descent<'_> {
     /// Writes q + t p, and its differential; the size of that and the energy, or `None` where one is not
     /// finite.
     pub(super) fn attempt(
@@ -52,14 +53,14 @@ impl<M: Metric, P: Potential, L: HessianSolver> Descent<'_, M, P, L> {
         let ends = self.trial.iter_mut().zip(q).zip(&self.step);
         ends.for_each(|((trial, q), p)| *trial = q + t * p);
         report.energies += 1;
-        let energy = self.potential.energy(&self.trial);
+        let energy = self.asked.energy(&self.trial);
         if !energy.is_finite() {
             return None;
         }
         report.residuals += 1;
         self.trial_force.fill(0.0);
-        self.potential.add_differential(&self.trial, Covector(&mut self.trial_force[..]));
-        let size = norm(self.metric, &self.trial_force, &mut self.scratch);
+        self.asked.add_differential(&self.trial, Covector(&mut self.trial_force[..]));
+        let size = norm(self.asked, &self.trial_force, &mut self.scratch);
         size.is_finite().then_some(Found { size, energy })
     }
 
