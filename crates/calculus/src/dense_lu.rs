@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 use crate::Unsolvable;
-use crate::equation::power_of_two;
+use crate::equation::{nan_where_not_finite, power_of_two};
 use crate::pivots::{SUSPICIOUS, zero_pivot};
 
 /// Units of rounding of each column that an elimination may leave of zero.
@@ -20,8 +20,8 @@ const ROUNDINGS: f64 = 16.0;
 pub struct DenseLu {
     matrix: DMatrix<f64>,
     scales: Vec<f64>,
-    /// The power of two by which the matrix was divided, so that no product leaves the range of numbers.
-    unit: f64,
+    /// The power of two by which each column was divided, so that no product leaves the range of numbers.
+    units: Vec<f64>,
     exchanges: Vec<usize>,
     #[cfg(feature = "sparse")]
     blocked: Option<crate::sparse::BlockedLu>,
@@ -33,7 +33,7 @@ impl DenseLu {
         DenseLu {
             matrix: DMatrix::zeros(n, n),
             scales: vec![0.0; n],
-            unit: 1.0,
+            units: vec![1.0; n],
             exchanges: vec![0; n],
             #[cfg(feature = "sparse")]
             blocked: (n >= 64).then(|| crate::sparse::BlockedLu::new(n).ok()).flatten(),
@@ -61,10 +61,12 @@ impl DenseLu {
         if !self.matrix.iter().all(|entry| entry.is_finite()) {
             return Err(Unsolvable::NonFinite);
         }
-        self.unit = power_of_two(self.scales.iter().fold(0.0, |largest, x| x.max(largest)));
-        if self.unit != 1.0 {
-            self.matrix /= self.unit;
-            self.scales.iter_mut().for_each(|scale| *scale /= self.unit);
+        for (j, (scale, unit)) in self.scales.iter_mut().zip(&mut self.units).enumerate() {
+            *unit = power_of_two(*scale);
+            if *unit != 1.0 {
+                *scale /= *unit;
+                self.matrix.column_mut(j).unscale_mut(*unit);
+            }
         }
         self.eliminate();
         let zero = zero_pivot(self.scales.len());
@@ -116,7 +118,8 @@ impl DenseLu {
         }
     }
 
-    /// Replaces `b` by `A^-1 b`, once the matrix was factored.
+    /// Replaces `b` by `A^-1 b`, once the matrix was factored; by NaN where a component of that is too large for a
+    /// number, or is none.
     pub fn solve(&mut self, b: &mut [f64]) {
         if b.is_empty() {
             return;
@@ -126,10 +129,11 @@ impl DenseLu {
             b.iter_mut().for_each(|x| *x /= load);
         }
         self.substitute(b);
-        if load != 1.0 || self.unit != 1.0 {
-            let unit = load / self.unit;
-            b.iter_mut().for_each(|x| *x *= unit);
+        for (x, &unit) in b.iter_mut().zip(&self.units) {
+            // Of two powers that both make it larger or smaller the quotient may leave the range of numbers.
+            *x = if (load > 1.0) == (unit > 1.0) { *x * (load / unit) } else { *x * load / unit };
         }
+        nan_where_not_finite(b);
     }
 
     fn substitute(&mut self, b: &mut [f64]) {
@@ -191,6 +195,19 @@ mod tests {
             let off = (&b - &exact).amax();
             assert!(off < 1e-9 * size, "{n} {scale} {size}: {off}");
         }
+    }
+
+    #[test]
+    fn columns_that_differ_by_more_than_the_range_of_numbers_are_solved_or_the_solution_is_nan() {
+        let mut lu = DenseLu::new(2);
+        lu.matrix().copy_from_slice(&[0.0, 1.5e308, 3e-16, 0.0]);
+        lu.factor().unwrap();
+        let mut b = [1.0, 1.0];
+        lu.solve(&mut b);
+        assert_eq!(b, [1.0 / 1.5e308, 1.0 / 3e-16]);
+        let mut too_large = [1e300, 1.0];
+        lu.solve(&mut too_large);
+        assert!(too_large.iter().all(|x| x.is_nan()), "{too_large:?}");
     }
 
     #[test]

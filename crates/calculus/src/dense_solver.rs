@@ -6,6 +6,7 @@
 //! ```
 //! The rungs and `sigma` are those of [`HessianSolver`].
 
+use crate::equation::solve_in_range;
 use crate::hessian_solver::{Diagonal, SHIFTS, largest_or_nan, shift};
 use crate::pivots::{SUSPICIOUS, is_rounding, load, zero_pivot};
 use crate::{FIXED, HessianSolver, Metric, Potential, Rung, Sink, SizeError, Storage, Unsolvable};
@@ -192,11 +193,7 @@ impl<C: Storage> HessianSolver for DenseSolver<C> {
         if r.len() != n {
             return r.fill(f64::NAN);
         }
-        substitute(&self.columns.as_ref()[..n], r);
-        // Zero times a number that is not finite is NaN.
-        if r.iter().map(|x| 0.0 * x).sum::<f64>().is_nan() {
-            r.fill(f64::NAN);
-        }
+        solve_in_range(r, |r| substitute(&self.columns.as_ref()[..n], r));
     }
 }
 

@@ -81,6 +81,30 @@ pub(crate) fn power_of_two(x: f64) -> f64 {
     2.0_f64.powi(x.log2().floor().max(-1022.0) as i32)
 }
 
+/// Solves for a right side that is divided by a power of two where it is large, as what is met on the way may be larger
+/// than both it and the solution. NaN where a component of the solution is too large for a number, or is none.
+#[inline]
+pub(crate) fn solve_in_range(b: &mut [f64], solve: impl FnOnce(&mut [f64])) {
+    let load = power_of_two(b.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()))).max(1.0);
+    if load > 1.0 {
+        b.iter_mut().for_each(|x| *x /= load);
+    }
+    solve(b);
+    if load > 1.0 {
+        b.iter_mut().for_each(|x| *x *= load);
+    }
+    nan_where_not_finite(b);
+}
+
+/// Makes all of a vector NaN that is not finite.
+#[inline]
+pub(crate) fn nan_where_not_finite(x: &mut [f64]) {
+    // Zero times a number that is not finite is NaN.
+    if x.iter().map(|x| 0.0 * x).sum::<f64>().is_nan() {
+        x.fill(f64::NAN);
+    }
+}
+
 #[cold]
 fn scaled_length(x: &[f64]) -> f64 {
     let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -93,6 +117,17 @@ fn scaled_length(x: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_large_right_side_is_solved_in_range_or_all_of_the_solution_is_nan() {
+        // By way of 1e10 b.
+        let solve = |by: f64| move |b: &mut [f64]| b.iter_mut().for_each(|b| *b = *b * 1e10 * by);
+        let mut b = [1e300, -3.0];
+        solve_in_range(&mut b, solve(1e-10));
+        assert!((b[0] / 1e300 - 1.0).abs() < 1e-15 && (b[1] + 3.0).abs() < 1e-14, "{b:?}");
+        solve_in_range(&mut b, solve(1.0));
+        assert!(b.iter().all(|b| b.is_nan()), "{b:?}");
+    }
 
     #[test]
     fn a_length_is_right_at_every_scale() {

@@ -20,6 +20,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use crate::equation::solve_in_range;
 use crate::first_non_finite;
 use crate::pivots::{SUSPICIOUS, is_rounding, load, zero_pivot};
 use crate::sparse::SparseError;
@@ -148,8 +149,8 @@ impl SparseCholesky {
     }
 
     /// Solves `A X = B` in place for right-hand sides one after the other, n numbers each: the factor
-    /// is read once for all of them. NaN where the last factorization failed. The first call with
-    /// more of them than before takes memory.
+    /// is read once for all of them. NaN where the last factorization failed, and where a number of
+    /// the solutions is too large. The first call with more of them than before takes memory.
     pub fn solve(&mut self, b: &mut [f64]) {
         let n = self.symbolic.nrows();
         let columns = b.len().checked_div(n).unwrap_or(0);
@@ -160,13 +161,12 @@ impl SparseCholesky {
         if self.scratch.grow(needed).is_err() {
             return b.fill(f64::NAN);
         }
-        let b = MatMut::from_column_major_slice_mut(b, n, columns);
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            b,
-            Par::Seq,
-            self.scratch.stack(),
-        );
+        let SparseCholesky { symbolic, factor, scratch, .. } = self;
+        solve_in_range(b, |b| {
+            let b = MatMut::from_column_major_slice_mut(b, n, columns);
+            let factor = LltRef::new(symbolic, factor);
+            factor.solve_in_place_with_conj(Conj::No, b, Par::Seq, scratch.stack());
+        });
     }
 
     /// The order of elimination and the places of the factor.

@@ -144,7 +144,7 @@ impl SparseIndefinite {
     /// [`SparseError::OtherPattern`] for a matrix of another analysis; [`SparseError::Size`] unless b
     /// has n components; [`SparseError::NotFactored`] unless the
     /// last factorization succeeded; [`SparseError::Untrusted`] for a relative residual above 1e-8,
-    /// also where b is not finite.
+    /// also where b or x is not finite.
     pub fn solve(
         &mut self,
         matrix: &SymmetricMatrix,
@@ -172,16 +172,21 @@ impl SparseIndefinite {
         let pivoting = self.pivoting.ok_or(SparseError::NotFactored)?;
         self.given.copy_from_slice(b);
         let scale = largest_or_nan(b.iter().map(|b| b.abs()));
+        // What is large is divided, as the terms of the residual may be larger than both A and x.
+        let load = power_of_two(scale).max(1.0);
+        if load > 1.0 {
+            b.iter_mut().for_each(|b| *b /= load);
+        }
         self.once(pivoting, b);
         self.best.copy_from_slice(b);
-        let mut residual = self.residual(matrix, b);
+        let mut residual = self.residual(matrix, load, b);
         let mut corrections = 0;
         while corrections < CORRECTIONS && residual > 0.0 && residual.is_finite() {
             let mut correction = std::mem::take(&mut self.correction);
             self.once(pivoting, &mut correction);
             b.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
             self.correction = correction;
-            let refined = self.residual(matrix, b);
+            let refined = self.residual(matrix, load, b);
             if refined < residual {
                 self.best.copy_from_slice(b);
                 corrections += 1;
@@ -192,9 +197,10 @@ impl SparseIndefinite {
                 break;
             }
         }
-        let relative_residual = if residual == 0.0 { 0.0 } else { residual / scale.max(LEAST) };
-        if relative_residual <= trusted {
-            b.copy_from_slice(&self.best);
+        let least = (scale / load).max(LEAST);
+        let relative_residual = if residual == 0.0 { 0.0 } else { residual / least };
+        b.iter_mut().zip(&self.best).for_each(|(b, best)| *b = best * load);
+        if relative_residual <= trusted && first_non_finite(b).is_none() {
             Ok(Refined { relative_residual, corrections })
         } else {
             b.copy_from_slice(&self.given);
@@ -202,9 +208,9 @@ impl SparseIndefinite {
         }
     }
 
-    /// Writes `given - A x` into `correction`; its largest component.
-    fn residual(&mut self, matrix: &SymmetricMatrix, x: &[f64]) -> f64 {
-        self.correction.copy_from_slice(&self.given);
+    /// Writes `given / load - A x` into `correction`; its largest component.
+    fn residual(&mut self, matrix: &SymmetricMatrix, load: f64, x: &[f64]) -> f64 {
+        self.correction.iter_mut().zip(&self.given).for_each(|(r, b)| *r = b / load);
         matrix.add_product_unchecked(-1.0, x, &mut self.correction);
         largest_or_nan(self.correction.iter().map(|r| r.abs()))
     }
@@ -229,13 +235,15 @@ impl SparseIndefinite {
     /// if it is found again.
     fn finds_a_known_vector(&mut self, pivoting: Pivoting, matrix: &SymmetricMatrix) -> bool {
         let known = |i: usize| 1.0 + (0.618_033_988_749_895 * i as f64).fract();
-        self.best.iter_mut().enumerate().for_each(|(i, x)| *x = known(i));
+        // In units in which the product is neither large nor small.
+        let unit = self.unit;
+        self.best.iter_mut().enumerate().for_each(|(i, x)| *x = known(i) / unit);
         let mut b = std::mem::take(&mut self.product);
         b.fill(0.0);
         matrix.add_product_unchecked(1.0, &self.best, &mut b);
         self.pivoting = Some(pivoting);
         let solved = self.solve(matrix, &mut b).is_ok();
-        let off = largest_or_nan(b.iter().enumerate().map(|(i, x)| (x - known(i)).abs()));
+        let off = largest_or_nan(b.iter().enumerate().map(|(i, x)| (x * unit - known(i)).abs()));
         self.product = b;
         let found = solved && off <= FOUND_AGAIN;
         self.found_off = if found { off } else { f64::INFINITY };

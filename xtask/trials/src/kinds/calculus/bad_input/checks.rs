@@ -102,7 +102,9 @@ pub(super) fn check_blocks(draw: &mut Draw) -> Verdict {
     let fits = potential.1.iter().all(|(freedoms, entries)| {
         entries.len() == freedoms.len() * freedoms.len() && freedoms.iter().all(|&f| f < n)
     });
-    let nothing = potential.1.iter().all(|(_, entries)| entries.iter().all(|&x| x == 0.0));
+    // Below the normal numbers all is rounding.
+    let none = |x: &f64| x.abs() < f64::MIN_POSITIVE;
+    let nothing = potential.1.iter().all(|(_, entries)| entries.iter().all(none));
     let checked = DerivativeCheck::default().potential(&potential, &vec![0.5; n]);
     // Blocks that cancel are no mistake, and these are too few to.
     due_unless(
