@@ -119,6 +119,9 @@ fn square_root(m: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
     Err(RigidError::NoLogarithm { reason: "an eigenvalue lies on the negative axis" })
 }
 
+/// Entries below this part of the largest.
+const NEGLIGIBLE: f64 = 1e-100;
+
 /// A basis of the vectors that the m x n matrix `a` maps to zero: the null space's dimension in
 /// columns. Singular values below `1e-12` of the largest count as zero.
 ///
@@ -133,14 +136,18 @@ pub fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
     if a.is_empty() || size == 0.0 {
         return Ok(DMatrix::identity(n, n));
     }
+    // Entries whose squares are no normal numbers change nothing, and spoil the decomposition.
+    let entries = (a / size).map(|x| if x.abs() < NEGLIGIBLE { 0.0 } else { x });
     // Rows of zeros, so that the decomposition is square and shows all n directions.
-    let square = (a / size).resize_vertically(n.max(a.nrows()), 0.0);
+    let square = entries.resize_vertically(n.max(a.nrows()), 0.0);
     let found = SVD::try_new(square, false, true, f64::EPSILON, 100 * n);
     let svd = found.ok_or(RigidError::NotDecomposed { rows: a.nrows(), columns: n })?;
     let largest = svd.singular_values.max();
     let v = svd.v_t.unwrap_or_else(|| DMatrix::identity(n, n)).transpose();
     let null: Vec<usize> = (0..n).filter(|&i| svd.singular_values[i] <= 1e-12 * largest).collect();
-    Ok(v.select_columns(&null))
+    let basis = v.select_columns(&null);
+    check_finite("the basis", basis.as_slice())?;
+    Ok(basis)
 }
 
 fn checked(m: &DMatrix<f64>) -> Result<(), RigidError> {

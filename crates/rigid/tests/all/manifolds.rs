@@ -124,3 +124,16 @@ fn the_tangent_space_at_a_rotation_is_the_rotation_times_the_algebra() {
     }
     assert_eq!(null_space(&dg).unwrap().ncols(), 3);
 }
+
+#[test]
+fn a_null_space_has_numbers_beside_entries_of_any_size() {
+    for small in [1.0, 1e-20, 1e-157, 1e-300] {
+        let mut a = DMatrix::zeros(4, 4);
+        (a[(0, 2)], a[(3, 2)]) = (-small, -1.0);
+        let basis = null_space(&a).unwrap();
+        assert_eq!(basis.ncols(), 3);
+        assert!((&a * &basis).amax() < 1e-15, "{small}: {basis}");
+        let gram = basis.transpose() * &basis;
+        assert!((gram - DMatrix::identity(3, 3)).amax() < 1e-14, "{small}: {basis}");
+    }
+}
