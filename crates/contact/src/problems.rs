@@ -11,6 +11,7 @@
 //! | [`listed_twice`] | a ball hits a wall that is listed twice | the wall counts once |
 //! | [`landing_pile`] | discs stacked in a triangle land, all at once | symmetric |
 //! | [`columns_of_boxes`], [`falling_boxes`] | boxes that stand or fall into a pile | they rest |
+//! | [`leaning_tower`] | boxes on each other, each off the middle | it stands or falls by statics |
 
 #[cfg(feature = "3d")]
 mod boxes;
@@ -18,7 +19,7 @@ mod boxes;
 use stationary_calculus::{DiagonalMetric, SizeError};
 
 #[cfg(feature = "3d")]
-pub use boxes::{Boxes, FRICTION, GRAVITY, columns_of_boxes, falling_boxes};
+pub use boxes::{Boxes, FRICTION, GRAVITY, columns_of_boxes, falling_boxes, leaning_tower};
 
 use crate::{ContactError, ContactRows, Impact, InverseMass};
 

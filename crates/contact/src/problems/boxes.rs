@@ -3,9 +3,14 @@
 //! | problem | what meets | what is known |
 //! | --- | --- | --- |
 //! | [`columns_of_boxes`] | cubes of 1 m and 1 kg stand on each other | nothing moves |
+//! | [`leaning_tower`] | one column of them, each off its middle | it stands where [`Boxes::margin`] is positive |
 //! | [`falling_boxes`] | cubes let go in a loose grid, each turned a little | they come to rest |
 //!
 //! All with friction, under gravity, on the floor `z = 0`.
+//!
+//! ```text
+//! m = min_k (1/2 - |mean(x_k, .., x_n) - x_j|),   j = k - 1, k          each axis, places x across, m
+//! ```
 
 use nalgebra::Vector3;
 use stationary_integrators::State;
@@ -53,6 +58,23 @@ impl Boxes {
         self.system.energy(&state.q, state.p.view())
     }
 
+    /// By how much the middle of what is above a joint of a tower is inside of what the two boxes share, m, at the
+    /// joint where that is least: above zero statics lets it stand, below it falls.
+    pub fn margin(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for k in 1..self.starts.len() {
+            let above = &self.starts[k..];
+            for axis in 0..2 {
+                let place = |pose: &RigidMotion| pose.translation[axis];
+                let middle = above.iter().map(place).sum::<f64>() / above.len() as f64;
+                for pose in &self.starts[k - 1..=k] {
+                    least = least.min(HALF - (middle - place(pose)).abs());
+                }
+            }
+        }
+        least
+    }
+
     fn starting(starts: Vec<RigidMotion>) -> Result<Self, ContactError> {
         let still = Vector3::zeros();
         let motion = |&pose| BodyMotion { pose, velocity: still, angular_velocity: still };
@@ -78,6 +100,23 @@ pub fn columns_of_boxes(columns: usize, high: usize) -> Result<Boxes, ContactErr
         RigidMotion { translation, rotation: Rotation::identity() }
     };
     Boxes::starting((0..columns * high).map(one).collect())
+}
+
+/// A tower whose boxes are off from its middle by as much as `off` (m), at random.
+///
+/// # Errors
+/// Where an offset is not finite.
+pub fn leaning_tower(
+    high: usize,
+    off: f64,
+    random: &mut SplitMix64,
+) -> Result<Boxes, ContactError> {
+    let mut poses = columns_of_boxes(1, high)?.starts;
+    for pose in &mut poses {
+        pose.translation.x += off * random.symmetric();
+        pose.translation.y += off * random.symmetric();
+    }
+    Boxes::starting(poses)
 }
 
 /// Boxes in a loose grid above the floor, as high as it is wide, each pushed and turned a little.

@@ -1,7 +1,7 @@
 //! Towers of boxes that lean: they stand, as far as asked, and where they do not.
 
 use stationary_contact::SpatialWorld;
-use stationary_contact::problems::{Boxes, columns_of_boxes};
+use stationary_contact::problems::{Boxes, leaning_tower};
 use stationary_measure::SplitMix64;
 
 /// What a tower did whose boxes are off from each other.
@@ -13,15 +13,6 @@ struct Leaning {
     left: f64,
     /// Whether the last step solved nothing.
     rests: bool,
-}
-
-/// A tower whose boxes, of a side of 1 m, are off from its middle by as much as `off` (m).
-fn tower(high: usize, off: f64, random: &mut SplitMix64) -> Boxes {
-    let mut boxes = columns_of_boxes(1, high).unwrap();
-    for pose in boxes.state.q.chunks_exact_mut(7) {
-        pose[..2].iter_mut().for_each(|place| *place += off * random.symmetric());
-    }
-    boxes
 }
 
 /// Some steps of a tower, to a tolerance.
@@ -44,23 +35,6 @@ fn lean(boxes: &Boxes, (steps, tolerance): (usize, Option<f64>)) -> Leaning {
     leaning
 }
 
-/// How far the middle of what is above a joint between two boxes is inside of what they share, m, where that is least:
-/// a tower stands if it is inside of all of them, and falls if it is outside of one.
-fn margin(boxes: &Boxes) -> f64 {
-    let places: Vec<_> = boxes.state.q.chunks_exact(7).map(|pose| [pose[0], pose[1]]).collect();
-    let mut least = f64::INFINITY;
-    for k in 1..places.len() {
-        for axis in 0..2 {
-            let above = &places[k..];
-            let middle = above.iter().map(|place| place[axis]).sum::<f64>() / above.len() as f64;
-            for block in [places[k - 1], places[k]] {
-                least = least.min(0.5 - (middle - block[axis]).abs());
-            }
-        }
-    }
-    least
-}
-
 /// At the default tolerance. The more they lean, the more corners push nothing.
 #[test]
 fn towers_of_up_to_a_thousand_boxes_stand_where_statics_says_so_and_else_fall() {
@@ -68,8 +42,8 @@ fn towers_of_up_to_a_thousand_boxes_stand_where_statics_says_so_and_else_fall() 
     let [mut stood, mut fell] = [0; 2];
     for high in [10, 20, 30, 100, 150, 400, 1000] {
         for off in [0.0, 1e-3, 3e-2, 0.1, 0.2, 0.3, 0.4, 0.45] {
-            let boxes = tower(high, off, &mut random);
-            let margin = margin(&boxes);
+            let boxes = leaning_tower(high, off, &mut random).unwrap();
+            let margin = boxes.margin();
             let Leaning { gone, unsettled, rests, .. } = lean(&boxes, (30, None));
             println!("{high} high, off by {off}: {margin:.4} {gone:e}");
             if margin > 1e-3 {
@@ -94,7 +68,7 @@ fn a_tower_that_leans_is_settled_as_far_as_asked() {
         for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
             let asked = (50, Some(tolerance));
             let Leaning { gone, unsettled, left, .. } =
-                lean(&tower(high, 1e-3, &mut random), asked);
+                lean(&leaning_tower(high, 1e-3, &mut random).unwrap(), asked);
             println!("{high} high to {tolerance}: {gone:e} {left:e}");
             assert!(
                 unsettled == 0 && left <= tolerance,

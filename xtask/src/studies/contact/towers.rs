@@ -1,12 +1,9 @@
 //! Towers of boxes that lean: how far they creep, against the work, the height and what statics says.
 //!
-//! ```text
-//! m = min_k (1/2 - |mean(x_k, .., x_n) - x_j|),   j = k - 1, k          each axis, boxes of a side of 1 m
-//! ```
-//! `x` places across. The tower stands if the middle of what is above each joint is over what two boxes share, `m > 0`.
+//! A tower stands if the middle of what is above each joint is over what its two boxes share ([`Boxes::margin`]).
 
 use stationary_chart::{Axis, Lines, Mark, Series};
-use stationary_contact::problems::{Boxes, columns_of_boxes};
+use stationary_contact::problems::{Boxes, leaning_tower};
 use stationary_contact::{ContactError, SpatialWorld};
 use stationary_measure::{Column, SplitMix64, Table};
 
@@ -49,28 +46,7 @@ struct Stood {
 }
 
 fn tower(high: usize, off: f64, seed: u64) -> Result<Boxes, ContactError> {
-    let mut boxes = columns_of_boxes(1, high)?;
-    let mut random = SplitMix64::new(seed);
-    for pose in boxes.state.q.chunks_exact_mut(7) {
-        pose[..2].iter_mut().for_each(|place| *place += off * random.symmetric());
-    }
-    Ok(boxes)
-}
-
-/// How far inside of what two boxes share the middle of what is above is at least, m.
-fn margin(boxes: &Boxes) -> f64 {
-    let places: Vec<_> = boxes.state.q.chunks_exact(7).map(|pose| [pose[0], pose[1]]).collect();
-    let mut least = f64::INFINITY;
-    for k in 1..places.len() {
-        let above = &places[k..];
-        for axis in 0..2 {
-            let middle = above.iter().map(|place| place[axis]).sum::<f64>() / above.len() as f64;
-            for place in &places[k - 1..=k] {
-                least = least.min(0.5 - (middle - place[axis]).abs());
-            }
-        }
-    }
-    least
+    leaning_tower(high, off, &mut SplitMix64::new(seed))
 }
 
 fn stand(boxes: &Boxes, tolerance: Option<f64>) -> Result<Stood, ContactError> {
@@ -135,7 +111,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
             let stood = stand(&boxes, Some(asked)).map_err(at(high))?;
             points.push((stood.work, stood.crept.max(LEAST)));
             notes.push(format!("{asked:.0e} m/s asked"));
-            row(high, OFF, margin(&boxes), Some(asked), &stood);
+            row(high, OFF, boxes.margin(), Some(asked), &stood);
         }
         let stood = stand(&boxes, None).map_err(at(high))?;
         free.push((stood.work, stood.crept.max(LEAST)));
@@ -153,7 +129,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         let mut points = Vec::new();
         for (seed, off) in [OFF, 0.1, 0.2, 0.3, 0.4, 0.45].into_iter().enumerate() {
             let boxes = tower(high, off, 5 + seed as u64).map_err(at(high))?;
-            let margin = margin(&boxes);
+            let margin = boxes.margin();
             // A high one that falls costs much, and shows nothing that low ones do not.
             if margin < 0.0 && high > LOW {
                 continue;
