@@ -212,7 +212,13 @@ impl Case<'_> {
             return Verdict::not_judged("a matrix too close to singular for the referee");
         }
         let scale = largest(expected.iter().copied()).max(largest(values));
-        let promised = self.rounding * condition * scale;
+        // What does not balance may be taken from any vertex: where sources nearly cancel it is more than rounding.
+        let unbalanced = floating.iter().map(|piece| {
+            let sum: f64 = piece.iter().map(|&k| load[k]).sum();
+            let most = largest(piece.iter().map(|&k| load[k]));
+            if most > 0.0 { sum / most } else { 0.0 }
+        });
+        let promised = self.rounding.max(largest(unbalanced)) * condition * scale;
         let error = largest(u.iter().zip(expected.iter()).map(|(a, b)| a - b));
         Verdict::of(error, promised, "a value")
     }

@@ -77,6 +77,14 @@ fn body<const D: usize>(draw: &mut Draw) -> Verdict {
         Ok(rigid) => rigid,
         Err(error) => return Verdict::refused(error),
     };
+    // Points nearly in a row, of which some are held, are held sideways by next to nothing.
+    let stiffness = DMatrix::from_fn(n, n, |i, j| {
+        potential.times(&(0..n).map(|k| f64::from(k == j)).collect::<Vec<_>>())[i]
+    });
+    let efforts = stiffness.symmetric_eigenvalues() / system.scale();
+    if efforts.iter().any(|effort| (1e-12..1e-7).contains(&effort.abs())) {
+        return Verdict::not_judged("efforts in doubt");
+    }
     if rigid.len() != expected {
         return Verdict::wrong(format!("{} rigid motions instead of {expected}", rigid.len()));
     }
