@@ -178,6 +178,10 @@ fn on_tangent_space(
         let shortest = |a: &usize, b: &usize| j.row(*a).norm().total_cmp(&j.row(*b).norm());
         return Err(ConstraintError::Singular { ratio, row: (0..m).min_by(shortest).unwrap_or(0) });
     }
+    if m == n {
+        // A point by itself.
+        return Ok(Vec::new());
+    }
     // The n - m smallest eigenvalues of J^T J are zero, and their vectors span the tangent space.
     let normal = SymmetricEigen::new(j.transpose() * &j);
     let mut order: Vec<usize> = (0..n).collect();
@@ -261,6 +265,14 @@ mod tests {
             critical_point(&Automatic(Flat), &line, &[0.0, 0.0], Newton::default()).unwrap();
         assert_eq!(point.kind, Kind::Degenerate);
         assert!((point.multipliers[0] - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_point_that_equations_leave_alone_is_a_minimum_without_curvatures() {
+        let corner = Linear::new(vec![(vec![(0, 1.0)], -2.0), (vec![(1, 3.0)], 1.0)]).unwrap();
+        let point = critical_point(&Automatic(Flat), &corner, &[0.4, 0.1], Newton::default());
+        let point = point.unwrap();
+        assert_eq!((point.kind, point.curvatures.len()), (Kind::Minimum, 0));
     }
 
     #[test]

@@ -71,7 +71,7 @@ const EXHAUSTED: f64 = 1e-12;
 /// The largest eigenvalue, from below; for meshes it is met to ten digits and more.
 ///
 /// # Errors
-/// [`LaplacianError::Size`].
+/// [`LaplacianError::Size`], and [`LaplacianError::Parameter`] for masses too large for a number.
 pub fn largest_eigenvalue(
     metric: &impl Metric,
     dirichlet: &impl Potential,
@@ -91,6 +91,10 @@ pub fn largest_eigenvalue(
             }
         }
         let size = metric.inner(Vector(&next), Vector(&next)).max(0.0).sqrt();
+        if !size.is_finite() {
+            let what = "the length of a vector in the metric";
+            return Err(LaplacianError::Parameter { what, value: size });
+        }
         largest = largest.max(size);
         if size <= EXHAUSTED * largest {
             break;
@@ -106,6 +110,9 @@ pub fn largest_eigenvalue(
         next = moved.0;
     }
     let k = small.len();
+    if k == 0 {
+        return Ok(0.0);
+    }
     let tridiagonal = DMatrix::from_fn(k, k, |i, j| match i.abs_diff(j) {
         0 => small[i][0],
         1 => small[i.max(j)][1],
@@ -134,5 +141,16 @@ mod tests {
         }
         assert!(lowest_modes(&domain, &metric, 0).is_err());
         assert!(lowest_modes(&domain, &metric, 11).is_err());
+    }
+
+    #[test]
+    fn the_largest_eigenvalue_is_refused_where_masses_are_too_large_and_zero_of_nothing() {
+        let domain = Domain::free(Elements::of(&bar(1.0, 4).unwrap()).unwrap()).unwrap();
+        let heavy = stationary_calculus::DiagonalMetric::new(vec![1.7e308; domain.dim()]).unwrap();
+        let refused = largest_eigenvalue(&heavy, domain.dirichlet());
+        assert!(matches!(refused, Err(LaplacianError::Parameter { .. })), "{refused:?}");
+        let none = stationary_calculus::DiagonalMetric::new(Vec::<f64>::new()).unwrap();
+        let nothing = Option::<&crate::Dirichlet<1>>::None;
+        assert_eq!(largest_eigenvalue(&none, &nothing).unwrap(), 0.0);
     }
 }

@@ -172,10 +172,12 @@ pub(crate) fn facing(
             }
         }
     }
+    let of_face = !matches!(axis.from, Source::Edges(..));
+    let missed = found.len() == start || of_face && least > axis.separation + AS_CLOSE * size;
     if axis.separation > WIDE * size && least > axis.separation + SHORT * size {
         by_corners([a, b], &back, AS_CLOSE * size, [least, margin], found);
-    } else if found.len() == start && axis.separation <= margin {
-        // Rounding left no polygon: of what reaches as far as the farthest, or of all, the points that are best
+    } else if missed && axis.separation <= margin {
+        // Rounding left no polygon, or cut off what reaches farthest: of that, or of all, the points that are best
         // across the separation.
         let gap = axis.separation;
         let off = |[x1, x2]: &[V; 2]| (x2 - x1 - n * gap).norm();
