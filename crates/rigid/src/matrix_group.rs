@@ -126,7 +126,7 @@ const NEGLIGIBLE: f64 = 1e-100;
 /// columns. Singular values below `1e-12` of the largest count as zero.
 ///
 /// # Errors
-/// A matrix that is not finite, or whose singular values were not found.
+/// A matrix that is not finite, or whose singular values or vectors were not found.
 ///
 /// Of `dg(I)`, the differential at the identity of a group's equations, it is the Lie algebra.
 pub fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, RigidError> {
