@@ -65,7 +65,7 @@ pub enum LeastNormError {
     #[error("the tolerance is {0}; it must be at least 0 and below 1")]
     Tolerance(f64),
     /// The solution, a singular value or the residual is too large for a number.
-    #[error("the solution is too large to be represented")]
+    #[error("the solution, a singular value or the residual is too large for a number")]
     Overflow,
     /// The rotations were ended by their bound.
     #[error("the singular values of a {rows} x {columns} matrix did not converge")]

@@ -148,6 +148,20 @@ impl SymmetricMatrix {
         add_product(self.column_starts(), self.rows(), self.values(), scale, x, y);
     }
 
+    /// What the terms of a product are together, without their signs: `sizes = |A| x`, x positive.
+    pub(crate) fn sizes_of_product(&self, x: &[f64], sizes: &mut [f64]) {
+        sizes.fill(0.0);
+        for (j, ends) in self.column_starts().windows(2).enumerate() {
+            for entry in ends[0] as usize..ends[1] as usize {
+                let (i, size) = (self.rows()[entry] as usize, self.values[entry].abs());
+                sizes[i] += size * x[j];
+                if i != j {
+                    sizes[j] += size * x[i];
+                }
+            }
+        }
+    }
+
     pub(crate) fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
     }

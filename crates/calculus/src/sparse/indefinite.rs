@@ -13,10 +13,16 @@
 //! r = b - A x,    x <- x + A^-1 r       while the residual halves,
 //! ```
 //! and refused, with its relative residual, if `|r| <= 1e-8 |b|` does not hold in the end: rounding x
-//! alone leaves `eps |A| |x|`, so that from a condition of 1e8 on some b are refused. A matrix on
-//! which a known vector is not found again is called singular when it is factored. The signs of B
-//! are never read. Products of entries that leave the range of numbers are kept within it by a power of
-//! two.
+//! alone leaves `eps |A| |x|`, so that from a condition of 1e8 on some b are refused. A matrix is
+//! called singular when it is factored if a known vector v is not found again up to 1e-3, or if
+//! rounding alone could have moved it by more,
+//!
+//! ```text
+//! eps | |A^-1| |A| |v| |_inf  >=  eps | A^-1 d |_inf,     d_i = sgn((A^-1 v)_i) (|A| |v|)_i
+//! ```
+//! which luck cannot hide: `A^-1 v` points along what A makes nothing of, and d is not orthogonal to it
+//! (Hager, Condition estimates, SIAM J. Sci. Stat. Comput. 5, 1984). The signs of B are never read.
+//! Products of entries that leave the range of numbers are kept within it by a power of two.
 
 mod rows;
 mod symmetric;
@@ -221,20 +227,24 @@ impl SparseIndefinite {
         if load != 1.0 {
             b.iter_mut().for_each(|x| *x /= load);
         }
-        match (pivoting, &mut self.rows) {
-            (Pivoting::Rows, Some(rows)) => rows.solve(b),
-            _ => self.symmetric.solve(b),
-        }
+        self.substitute(pivoting, b);
         if load != 1.0 || self.unit != 1.0 {
             let unit = load / self.unit;
             b.iter_mut().for_each(|x| *x *= unit);
         }
     }
 
+    /// A solve with the matrix over its unit.
+    fn substitute(&mut self, pivoting: Pivoting, b: &mut [f64]) {
+        match (pivoting, &mut self.rows) {
+            (Pivoting::Rows, Some(rows)) => rows.solve(b),
+            _ => self.symmetric.solve(b),
+        }
+    }
+
     /// Multiplies a vector without any pattern by the matrix and solves for it; keeps the factors
     /// if it is found again.
     fn finds_a_known_vector(&mut self, pivoting: Pivoting, matrix: &SymmetricMatrix) -> bool {
-        let known = |i: usize| 1.0 + (0.618_033_988_749_895 * i as f64).fract();
         // In units in which the product is neither large nor small.
         let unit = self.unit;
         self.best.iter_mut().enumerate().for_each(|(i, x)| *x = known(i) / unit);
@@ -245,7 +255,8 @@ impl SparseIndefinite {
         let solved = self.solve(matrix, &mut b).is_ok();
         let off = largest_or_nan(b.iter().enumerate().map(|(i, x)| (x * unit - known(i)).abs()));
         self.product = b;
-        let found = solved && off <= FOUND_AGAIN;
+        let moved = self.moved_by_rounding(pivoting, matrix);
+        let found = solved && off <= FOUND_AGAIN && moved <= FOUND_AGAIN;
         self.found_off = if found { off } else { f64::INFINITY };
         if !found {
             self.pivoting = None;
@@ -253,9 +264,30 @@ impl SparseIndefinite {
         found
     }
 
+    /// How far rounding the product `A v` moves the known vector v, estimated by Hager's method: the sizes of
+    /// its terms, with the signs of `A^-1 v`, which points along what A makes nothing of.
+    fn moved_by_rounding(&mut self, pivoting: Pivoting, matrix: &SymmetricMatrix) -> f64 {
+        let mut x = std::mem::take(&mut self.product);
+        x.iter_mut().enumerate().for_each(|(i, x)| *x = known(i));
+        self.substitute(pivoting, &mut x);
+        let unit = self.unit;
+        self.best.iter_mut().enumerate().for_each(|(i, v)| *v = known(i) / unit);
+        matrix.sizes_of_product(&self.best, &mut self.correction);
+        x.iter_mut().zip(&self.correction).for_each(|(x, size)| *x = size.copysign(*x));
+        self.substitute(pivoting, &mut x);
+        let moved = f64::EPSILON * largest_or_nan(x.iter().map(|x| x.abs()));
+        self.product = x;
+        moved
+    }
+
     /// How far off, relatively, a known vector was found again with the matrix factored last: about
     /// rounding times its condition, and infinite where it was not found.
     pub fn known_vector_error(&self) -> f64 {
         self.found_off
     }
+}
+
+/// A vector without any pattern.
+fn known(i: usize) -> f64 {
+    1.0 + (0.618_033_988_749_895 * i as f64).fract()
 }

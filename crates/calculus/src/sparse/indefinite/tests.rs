@@ -1,4 +1,5 @@
 use super::*;
+use crate::Sink;
 use nalgebra::DMatrix;
 
 type Blocks = Vec<(Vec<usize>, Vec<f64>)>;
@@ -229,4 +230,28 @@ fn a_solution_with_a_matrix_of_another_analysis_is_refused() {
         }
     }
     assert!(solver.solve(&matrix, &mut [1.0; 30]).is_ok());
+}
+
+/// Matrices of whole numbers whose last row is a sum of multiples of the others. Rounding leaves some of them
+/// a last pivot and finds a vector again: the first is one of these.
+#[test]
+fn singular_matrices_of_whole_numbers_are_refused() {
+    let mut state = 5_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 33) as i64 % 10 - 5
+    };
+    let luck = [-8, -2, 9, 0, 3, -9].map(|entry| entry as f64 * 2.0_f64.powi(-849));
+    let mut cases = vec![luck];
+    for _ in 0..20_000 {
+        let (a, b, c, u, v) = (random(), random(), random(), random(), random());
+        let (d, e) = (a * u + b * v, b * u + c * v);
+        cases.push([a, b, d, c, e, d * u + e * v].map(|entry| entry as f64));
+    }
+    let whole = |[a, b, d, c, e, f]: [f64; 6]| vec![a, b, d, b, c, e, d, e, f];
+    let (mut matrix, mut solver) = assembled(3, &vec![(vec![0, 1, 2], whole(luck))]);
+    for case in cases {
+        matrix.refill(|sink| sink.add_symmetric(&[0, 1, 2], &whole(case))).unwrap();
+        assert_eq!(solver.factor(&matrix), Err(SparseError::Singular), "{case:?}");
+    }
 }

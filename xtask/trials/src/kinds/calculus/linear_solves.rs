@@ -6,8 +6,8 @@ mod matrices;
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::{
     ConjugateGradient, Covector, DenseLu, DenseSolver, DiagonalMetric, HessianSolver, Ladder,
-    Potential, Rung, Sink, SparseCholesky, SparseError, SparseIndefinite, SparseSolver,
-    SymmetricMatrix, least_norm,
+    LeastNormError, Potential, Rung, Sink, SparseCholesky, SparseError, SparseIndefinite,
+    SparseSolver, SymmetricMatrix, least_norm,
 };
 
 use crate::{Draw, Kind, Verdict};
@@ -314,6 +314,12 @@ fn iteration(case: &Case) -> Verdict {
 fn shortest(case: &Case) -> Verdict {
     let found = match least_norm(&case.a, &case.b, 1e-12) {
         Ok(found) => found,
+        // The largest singular value, at scale one, may leave the range of numbers at the case's.
+        Err(LeastNormError::Overflow)
+            if !((&case.a / case.scale).singular_values().amax() * case.scale).is_finite() =>
+        {
+            return Verdict::due();
+        }
         Err(error) => return Verdict::wrong(error),
     };
     let n = case.a.nrows();
