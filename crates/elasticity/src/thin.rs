@@ -11,8 +11,9 @@
 //! in s; NaN where none is found.
 //!
 //! The two-dimensional laws of [`Lame::plane_stress`](crate::Lame::plane_stress) need no such search,
-//! and are the same sheet to first order of the strain only, but for Saint Venant-Kirchhoff's and the
-//! linear one. Costs a few times the solid's stress. Source: notes 13.1, errata 13; Bonet and Wood
+//! and are the same sheet to first order of the strain only, but for the linear one and Saint
+//! Venant-Kirchhoff's, which ends where `nu/(1 - nu) tr E >= 1/2`: such a solid has thinned to nothing, E
+//! Green's strain in the plane. Costs a few times the solid's stress. Source: notes 13.1, errata 13; Bonet and Wood
 //! (2008), section 6.6.
 
 use crate::{FullTangent, Material, Real, Tangent};

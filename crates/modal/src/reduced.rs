@@ -10,7 +10,7 @@
 //! Valid near the equilibrium: modes are straight lines, and a body that turns by an angle `phi` swells
 //! by `phi^2/2`. It cannot fold, and it does not know contact.
 
-use stationary_calculus::{Covector, SizeError, Vector};
+use stationary_calculus::{Covector, SizeError, Vector, first_non_finite};
 
 use crate::motion::{LOST, OUT_OF_RANGE, Propagator};
 use crate::{ModalError, Modes, dense};
@@ -83,14 +83,21 @@ impl<'a> Reduced<'a> {
     /// Writes the displacement from the equilibrium.
     ///
     /// # Errors
-    /// [`ModalError::Size`].
+    /// [`ModalError::Size`]; [`ModalError::Parameter`] where a component is too large for a number, `d` is then
+    /// not to be used.
     pub fn displacement(&self, d: Vector<&mut [f64]>) -> Result<(), ModalError> {
         SizeError::check("the displacement's components", self.modes.dim(), d.0.len())?;
         d.0.fill(0.0);
         for (i, &alpha) in self.alpha.iter().enumerate() {
             dense::add_scaled(d.0, alpha, self.modes.column(i));
         }
-        Ok(())
+        match first_non_finite(d.0) {
+            None => Ok(()),
+            Some(k) => Err(ModalError::Parameter {
+                what: "a component of the displacement",
+                value: d.0[k],
+            }),
+        }
     }
 
     /// The energy of all modes, joules.

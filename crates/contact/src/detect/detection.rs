@@ -239,7 +239,8 @@ impl<G: Dimension> DetectorIn<G> {
         Ok(self.pairs.len())
     }
 
-    /// The pairs of colliders that are no farther apart than the reach of what carries them.
+    /// The pairs of colliders that are no farther apart than the reach of what carries them, which is
+    /// NaN where a speed is too large for a number.
     pub(crate) fn find_candidates(
         &mut self,
         q: &[f64],
@@ -248,6 +249,10 @@ impl<G: Dimension> DetectorIn<G> {
         self.place(q)?;
         self.margins.clear();
         self.margins.extend(self.colliders.iter().map(|collider| reach(collider.body())));
+        if let Some(index) = self.margins.iter().position(|m| m.is_nan()) {
+            let (what, value) = ("the reach of colliders", self.margins[index]);
+            return Err(ContactError::NonFinite { what, index, value });
+        }
         let (placed, poses) = (&self.placed, &self.poses);
         self.broad.pairs(&self.colliders, placed, poses, &self.margins, &mut self.pairs);
         let Self { pairs, passing, colliders, .. } = self;
@@ -474,4 +479,22 @@ pub fn gap_rows<G: Dimension>(contacts: &[ContactIn<G>], q: &[f64]) -> ContactRo
     let mut rows = ContactRows::with_room(contacts.len(), 2 * G::FREEDOMS * contacts.len());
     contacts.iter().for_each(|contact| contact.push_row(q, &mut rows));
     rows
+}
+
+#[cfg(all(test, feature = "2d"))]
+mod tests {
+    use super::*;
+    use crate::{PlanarCollider, PlanarShape};
+
+    #[test]
+    fn a_reach_that_is_no_number_is_refused() {
+        let disc = || PlanarShape::disc(0.5).unwrap();
+        let bodies = vec![PlanarCollider::on_body(0, disc()), PlanarCollider::on_body(1, disc())];
+        let mut detector = PlanarDetector::new(bodies, 2).unwrap();
+        let reach = |body: Option<usize>| if body == Some(1) { f64::NAN } else { 1.0 };
+        let refused = detector.find_candidates(&[0.0; 6], reach).unwrap_err();
+        assert!(matches!(refused, ContactError::NonFinite { index: 1, .. }), "{refused}");
+        detector.find_candidates(&[0.0; 6], |_| 1.0).unwrap();
+        assert_eq!(detector.candidates(), [(0, 1)]);
+    }
 }

@@ -198,7 +198,8 @@ fn thinning(draw: &mut Draw) -> Verdict {
         across = across - step;
     }
     let (expected, rest) = (at(across), across.near());
-    if rest <= 0.0
+    // A quadratic solid that is strained far has its least energy at no thickness at all.
+    if rest <= 1e-6
         || expected.first.near().abs() > 1e-20 * pair.size()
         || expected.both.near() <= 0.0
     {
