@@ -132,6 +132,19 @@ mod tests {
         assert!((ratio(&own, &thin, one(1.2)) - 1.075).abs() < 1e-3);
     }
 
+    #[test]
+    fn a_quadratic_solid_has_thinned_to_nothing_at_a_strain_that_is_known() {
+        let thin = FreeToThin(SaintVenantKirchhoff::new(solid()));
+        // tr E = s^2 - 1, and at nu = 0.3 its end is 7/6.
+        let across = |trace: f64| -> f64 {
+            let s = (1.0 + trace).sqrt();
+            thin.stretch_across(&[[s, 0.0], [0.0, s]])
+        };
+        let before = across(1.16);
+        assert!((before * before - (1.0 - 2.0 * 3.0 / 7.0 * 1.16)).abs() < 1e-12, "{before}");
+        assert!(across(1.17).is_nan() && across(2.0).is_nan());
+    }
+
     proptest! {
         #[test]
         fn quadratic_sheets_in_plane_stress_are_free_to_thin(

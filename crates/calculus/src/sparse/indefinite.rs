@@ -20,8 +20,8 @@
 //! ```text
 //! eps | |A^-1| |A| |v| |_inf  >=  eps | A^-1 d |_inf,     d_i = sgn((A^-1 v)_i) (|A| |v|)_i
 //! ```
-//! which luck cannot hide: `A^-1 v` points along what A makes nothing of, and d is not orthogonal to it
-//! (Hager, Condition estimates, SIAM J. Sci. Stat. Comput. 5, 1984). The signs of B are never read.
+//! which luck cannot hide: where A is nearly singular `A^-1 v` points along its null vector, and d is
+//! not orthogonal to that (Hager, Condition estimates, SIAM J. Sci. Stat. Comput. 5, 1984). The signs of B are never read.
 //! Products of entries that leave the range of numbers are kept within it by a power of two.
 
 mod rows;
@@ -264,8 +264,8 @@ impl SparseIndefinite {
         found
     }
 
-    /// How far rounding the product `A v` moves the known vector v, estimated by Hager's method: the sizes of
-    /// its terms, with the signs of `A^-1 v`, which points along what A makes nothing of.
+    /// How far rounding the product `A v` moves the known vector v, from below: `eps |A^-1 d|` of
+    /// Hager's estimate.
     fn moved_by_rounding(&mut self, pivoting: Pivoting, matrix: &SymmetricMatrix) -> f64 {
         let mut x = std::mem::take(&mut self.product);
         x.iter_mut().enumerate().for_each(|(i, x)| *x = known(i));

@@ -255,3 +255,23 @@ fn singular_matrices_of_whole_numbers_are_refused() {
         assert_eq!(solver.factor(&matrix), Err(SparseError::Singular), "{case:?}");
     }
 }
+
+/// `[1 1; 1 1 + x]`, whose inverse is `[1 + x, -1; -1, 1]/x`.
+#[test]
+fn what_rounding_moves_is_estimated_and_decides_what_is_singular() {
+    let block = |x: f64| vec![1.0, 1.0, 1.0, 1.0 + x];
+    let (mut matrix, mut solver) = assembled(2, &vec![(vec![0, 1], block(1.0))]);
+    for exponent in [-3, -10, -30, -36, -46, -50] {
+        let x = 2.0_f64.powi(exponent);
+        matrix.refill(|sink| sink.add_symmetric(&[0, 1], &block(x))).unwrap();
+        // |A| v, and the largest component of |A^-1| |A| v.
+        let terms = [known(0) + known(1), known(0) + (1.0 + x) * known(1)];
+        let exact = f64::EPSILON * ((1.0 + x) * terms[0] + terms[1]) / x;
+        let factored = solver.factor(&matrix);
+        assert_eq!(factored.is_ok(), exact < FOUND_AGAIN, "{exponent}: {factored:?}");
+        if let Ok(pivoting) = factored {
+            let moved = solver.moved_by_rounding(pivoting, &matrix);
+            assert!((moved / exact - 1.0).abs() < 1e-3, "{exponent}: {moved} of {exact}");
+        }
+    }
+}
