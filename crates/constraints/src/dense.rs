@@ -17,6 +17,7 @@ use std::array::from_fn;
 
 use stationary_calculus::{Covector, Metric, SizeError, Storage, Vector, first_non_finite};
 
+use crate::carried_sum::CarriedSum;
 use crate::multipliers::{DEPENDENT, Normal, check_solve};
 use crate::rows::check_entries;
 use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Rows, Solver};
@@ -210,8 +211,12 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
     }
 
     fn add_pulled_back(&self, scale: f64, lambda: &[f64], mut p: Covector<&mut [f64]>) {
-        for (row, lambda) in self.rows.iter().zip(lambda).take(self.count) {
-            p.add_scaled(scale * lambda, row.view());
+        for (f, p) in p.components_mut().iter_mut().enumerate() {
+            let mut sum = CarriedSum::from([*p]);
+            for (row, lambda) in self.rows.iter().zip(lambda).take(self.count) {
+                sum.add([scale * lambda * row.components()[f]]);
+            }
+            [*p] = sum.rounded();
         }
     }
 

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use stationary_calculus::{Covector, SizeError, Vector, first_non_finite};
 
+use crate::carried_sum::CarriedSum;
 use crate::{Constraint, ConstraintError, Rows};
 
 /// A sparse differential. Copies share its places.
@@ -120,12 +121,12 @@ impl Pattern {
 #[inline]
 fn pull_back<const F: usize>(scale: f64, lambda: &[f64], block: &Block<'_>, p: &mut [f64]) {
     let Some(p) = p.first_chunk_mut::<F>() else { return };
-    let mut sum = *p;
+    let mut sum = CarriedSum::from(*p);
     for (&equation, row) in block.equations.iter().zip(block.values.as_chunks::<F>().0) {
         let factor = scale * lambda[equation as usize];
-        (0..F).for_each(|k| sum[k] += factor * row[k]);
+        sum.add(row.map(|value| factor * value));
     }
-    *p = sum;
+    *p = sum.rounded();
 }
 
 /// Adds the product of each row of F entries with F numbers to its rate.
@@ -201,10 +202,13 @@ impl Entries {
                 3 => pull_back::<3>(scale, lambda, &block, p),
                 6 => pull_back::<6>(scale, lambda, &block, p),
                 freedoms => {
-                    let rows = block.values.chunks_exact(freedoms);
-                    for (&equation, row) in block.equations.iter().zip(rows) {
-                        let factor = scale * lambda[equation as usize];
-                        p.iter_mut().zip(row).for_each(|(p, value)| *p += factor * value);
+                    for (f, p) in p.iter_mut().enumerate() {
+                        let mut sum = CarriedSum::from([*p]);
+                        let column = block.values.iter().skip(f).step_by(freedoms);
+                        for (&equation, value) in block.equations.iter().zip(column) {
+                            sum.add([scale * lambda[equation as usize] * value]);
+                        }
+                        [*p] = sum.rounded();
                     }
                 }
             }

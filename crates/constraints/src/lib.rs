@@ -69,6 +69,7 @@ mod level_set;
 mod feasible;
 mod checks;
 mod multipliers;
+mod carried_sum;
 mod dense;
 mod entries;
 mod elimination;

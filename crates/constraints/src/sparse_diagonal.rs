@@ -49,9 +49,11 @@ pub struct DiagonalMultipliers {
     right: Vec<f64>,
     gradient: Vec<f64>,
     given: Vec<f64>,
+    found: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
     left: Vec<f64>,
+    rest: Vec<f64>,
 }
 
 impl<C> Solver<C> for SparseDiagonal {
@@ -91,9 +93,11 @@ impl<C> Solver<C> for SparseDiagonal {
             right: zeros.clone(),
             gradient: zeros.clone(),
             given: zeros.clone(),
+            found: zeros.clone(),
             direction: zeros.clone(),
             image: zeros.clone(),
-            left: zeros,
+            left: zeros.clone(),
+            rest: zeros,
             entries,
         })
     }
@@ -103,6 +107,9 @@ impl<C> Solver<C> for SparseDiagonal {
 /// relative to the largest number of the right-hand side, equation by equation in reference scales.
 const CORRECTIONS: u32 = 4;
 const RESIDUAL: f64 = 1e-3;
+/// Equations that depend on others contradict these where a part of more than this of the right-hand side is left
+/// by a solution without them.
+const CONSISTENT: f64 = 1e-12;
 
 impl DiagonalMultipliers {
     /// How many numbers the factor of S has.
@@ -124,17 +131,51 @@ impl DiagonalMultipliers {
         self.entries.add_along(Vector(&self.velocity), image);
     }
 
+    /// Solves the equations that are independent; the others' multipliers are zero.
+    fn solve_independent(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
+        if self.factor.close == 0 {
+            self.factor.solve(b);
+            return Ok(());
+        }
+        self.right.copy_from_slice(b);
+        self.factor.solve(b);
+        self.refine(b)
+    }
+
+    /// Solves for the nearest right-hand side that does not contradict itself. What contradicts itself is spread
+    /// over all equations, not left to the dependent ones: of the residual, so that it is small where that is.
+    fn solve_consistent(&mut self, b: &mut [f64], rest: &mut [f64]) -> Result<(), ConstraintError> {
+        rest.copy_from_slice(b);
+        let whole = self.in_thresholds(b);
+        self.solve_independent(b)?;
+        let mut image = std::mem::take(&mut self.image);
+        self.product(b, &mut image);
+        rest.iter_mut().zip(&image).for_each(|(rest, image)| *rest -= image);
+        self.image = image;
+        if self.in_thresholds(rest) <= CONSISTENT * whole {
+            return Ok(());
+        }
+        rest.iter_mut().zip(&self.slopes).for_each(|(rest, slope)| *rest /= slope);
+        self.shorten(rest)?;
+        rest.iter_mut().zip(&self.slopes).for_each(|(rest, slope)| *rest *= slope);
+        self.solve_independent(rest)?;
+        b.iter_mut().zip(&*rest).for_each(|(x, rest)| *x += rest);
+        Ok(())
+    }
+
+    /// The largest of these values in units of its equation's threshold.
+    fn in_thresholds(&self, values: &[f64]) -> f64 {
+        let ratio = |(r, t): (&f64, &f64)| if *t > 0.0 { (r / t).abs() } else { 0.0 };
+        values.iter().zip(&self.thresholds).map(ratio).fold(0.0, f64::max)
+    }
+
     /// Where an equation is close to depending on others, corrects a solution by its residual.
     #[cold]
     fn refine(&mut self, x: &mut [f64]) -> Result<(), ConstraintError> {
         let (right, mut change) =
             (std::mem::take(&mut self.right), std::mem::take(&mut self.direction));
         let mut residual = std::mem::take(&mut self.gradient);
-        let scaled = |r: &[f64], thresholds: &[f64]| {
-            let ratio = |(r, t): (&f64, &f64)| if *t > 0.0 { (r / t).abs() } else { 0.0 };
-            r.iter().zip(thresholds).map(ratio).fold(0.0, f64::max)
-        };
-        let whole = scaled(&right, &self.thresholds);
+        let whole = self.in_thresholds(&right);
         let (mut before, mut left) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..=CORRECTIONS {
             self.product(x, &mut residual);
@@ -142,7 +183,7 @@ impl DiagonalMultipliers {
             for dependent in &self.factor.dependent {
                 residual[dependent.equation as usize] = 0.0;
             }
-            left = scaled(&residual, &self.thresholds);
+            left = self.in_thresholds(&residual);
             if left.is_nan() || left == 0.0 || left > 0.5 * before {
                 break;
             }
@@ -214,19 +255,13 @@ impl Multipliers for DiagonalMultipliers {
 
     fn solve(&mut self, b: &mut [f64]) -> Result<(), ConstraintError> {
         check_solve(self.prepared, self.count, b)?;
-        if !self.factor.dependent.is_empty() {
-            // What contradicts itself is spread over all equations, not left to the dependent ones.
-            b.iter_mut().zip(&self.slopes).for_each(|(b, slope)| *b /= slope);
-            self.shorten(b)?;
-            b.iter_mut().zip(&self.slopes).for_each(|(b, slope)| *b *= slope);
+        if self.factor.dependent.is_empty() {
+            return self.solve_independent(b);
         }
-        if self.factor.close == 0 {
-            self.factor.solve(b);
-            return Ok(());
-        }
-        self.right.copy_from_slice(b);
-        self.factor.solve(b);
-        self.refine(b)
+        let mut rest = std::mem::take(&mut self.rest);
+        let solved = self.solve_consistent(b, &mut rest);
+        self.rest = rest;
+        solved
     }
 
     fn share(&mut self, lambda: &mut [f64]) -> Result<(), ConstraintError> {

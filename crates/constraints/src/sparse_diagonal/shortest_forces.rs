@@ -25,6 +25,12 @@ const SHORTEST: f64 = 1e-9;
 /// The same where the independent equations are nearly singular, and their rounding is larger.
 const NEAR_SINGULAR: f64 = 1e-6;
 
+/// How well the shortest multipliers are known: to [`SHORTEST`] or to [`NEAR_SINGULAR`].
+enum Settled {
+    Sharply,
+    Roughly,
+}
+
 impl DiagonalMultipliers {
     /// Writes `D N y` for y in reference scales: a combination of dependences.
     fn along_dependences(&mut self, y: &[f64], image: &mut [f64]) {
@@ -75,9 +81,19 @@ impl DiagonalMultipliers {
     pub(super) fn shorten(&mut self, z: &mut [f64]) -> Result<(), ConstraintError> {
         let mut given = std::mem::take(&mut self.given);
         given.copy_from_slice(z);
-        let shortened = self
-            .shorten_by_dependences(z)
-            .or_else(|error| if self.shorten_across(&given, z) { Ok(()) } else { Err(error) });
+        let shortened = match self.shorten_by_dependences(z) {
+            Ok(Settled::Sharply) => Ok(()),
+            shortened => {
+                let mut found = std::mem::take(&mut self.found);
+                found.copy_from_slice(z);
+                let across = self.shorten_across(&given, z);
+                if !across {
+                    z.copy_from_slice(&found);
+                }
+                self.found = found;
+                if across { Ok(()) } else { shortened.map(|_| ()) }
+            }
+        };
         self.given = given;
         shortened
     }
@@ -127,7 +143,7 @@ impl DiagonalMultipliers {
     }
 
     /// The same by least squares in the combinations of dependences that the factor knows.
-    fn shorten_by_dependences(&mut self, z: &mut [f64]) -> Result<(), ConstraintError> {
+    fn shorten_by_dependences(&mut self, z: &mut [f64]) -> Result<Settled, ConstraintError> {
         let (mut gradient, mut direction) =
             (std::mem::take(&mut self.gradient), std::mem::take(&mut self.direction));
         let mut image = std::mem::take(&mut self.image);
@@ -157,6 +173,10 @@ impl DiagonalMultipliers {
             settled = rounding || change <= SETTLED * SETTLED || slope == 0.0;
         }
         (self.gradient, self.direction, self.image) = (gradient, direction, image);
-        if settled { Ok(()) } else { Err(ConstraintError::NotShared { iterations }) }
+        match settled {
+            true if slope == 0.0 || change <= SHORTEST * SHORTEST => Ok(Settled::Sharply),
+            true => Ok(Settled::Roughly),
+            false => Err(ConstraintError::NotShared { iterations }),
+        }
     }
 }

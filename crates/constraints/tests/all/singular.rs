@@ -1,11 +1,12 @@
 //! Positions where a linkage may go on in two ways.
 
-use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, System, Vector};
 use stationary_constraints::{
-    Adaptive, ConstrainedIntegrator, ConstraintError, Dense, Linear, Rattle, Redundancy, Rod, Rods,
-    Solver, SparseDiagonal, StepTolerance,
+    Adaptive, ConstrainedIntegrator, ConstraintError, Dense, Linear, Multipliers, Rattle,
+    Redundancy, Rod, Rods, Solver, SparseDiagonal, StepTolerance,
 };
-use stationary_integrators::{State, UniformGravity};
+use stationary_integrators::{State, UniformGravity, linear_momentum};
+use stationary_measure::SplitMix64;
 
 type Problem = System<DiagonalMetric<[f64; 4]>, UniformGravity<2>>;
 
@@ -258,4 +259,59 @@ fn without_a_rank_revealing_factor_a_singular_position_is_named_and_a_long_step_
         }
     }
     assert!(refused > 5, "{refused}");
+}
+
+/// A closed polygon of rods whose points of 1 kg are this far from one line, with a velocity that stretches none.
+fn flat_polygon(
+    noise: &mut SplitMix64,
+    width: f64,
+) -> Result<(Rods<2>, State<Vec<f64>>), ConstraintError> {
+    let points = 4 + (3.0 * noise.symmetric().abs()) as usize;
+    let mut numbers = |size: [f64; 2]| -> Vec<f64> {
+        (0..2 * points).map(|i| size[i % 2] * noise.symmetric()).collect()
+    };
+    let (q, mut p) = (numbers([width, 3.0]), Covector(numbers([1.0, 1.0])));
+    let rods = (0..points).map(|i| {
+        let (a, b) = (i, (i + 1) % points);
+        Rod::new([a, b], (q[2 * a] - q[2 * b]).hypot(q[2 * a + 1] - q[2 * b + 1]))
+    });
+    let rods = Rods::new(points, vec![], rods.collect())?;
+    let metric = DiagonalMetric::new(vec![1.0; 2 * points]).unwrap();
+    let choice = SparseDiagonal(Redundancy::Refuse);
+    let mut solver = Solver::<Vec<f64>>::analyse(&choice, &metric, &rods, 0.0, &q)?;
+    solver.prepare(&metric, &rods, 0.0, &q)?;
+    for _ in 0..3 {
+        let mut rates = vec![0.0; points];
+        solver.add_along(Vector(&p.0), &mut rates);
+        solver.solve(&mut rates)?;
+        solver.add_pulled_back(-1.0, &rates, p.view_mut());
+    }
+    Ok((rods, State::new(q, p)))
+}
+
+#[test]
+fn impulses_that_all_but_cancel_leave_linear_momentum() {
+    let mut noise = SplitMix64::new(3);
+    let mut steps = 0;
+    for _ in 0..200 {
+        let Ok((rods, mut state)) = flat_polygon(&mut noise, 3e-7) else { continue };
+        let points = state.q.len() / 2;
+        let metric = DiagonalMetric::new(vec![1.0; 2 * points]).unwrap();
+        let nothing = UniformGravity { acceleration: [0.0; 2], masses: vec![1.0; points] };
+        let system = System::new(metric, nothing).unwrap();
+        let start = linear_momentum::<2>(&state);
+        let choice = SparseDiagonal(Redundancy::Refuse);
+        let Ok(mut rattle) = Rattle::new(&system, rods, &state, choice) else { continue };
+        for _ in 0..20 {
+            if rattle.step(&mut state, 1e-4).is_err() {
+                break;
+            }
+            steps += 1;
+            let now = linear_momentum::<2>(&state);
+            let off = (now[0] - start[0]).abs() + (now[1] - start[1]).abs();
+            let largest = state.p.0.iter().fold(0.0_f64, |x, p| x.max(p.abs()));
+            assert!(off < 1e-11 * largest, "{off:e} of {largest:e}");
+        }
+    }
+    assert!(steps > 300, "{steps}");
 }

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use stationary_calculus::{Metric, Potential, SizeError};
+use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, Sink, SizeError, System};
 use stationary_integrators::problems::{Problem, kepler, oscillator, pendulum, van_der_pol};
 use stationary_integrators::{
-    AdaptiveError, AdaptiveMethod, DormandPrince853, Horizon, Integrator, MechanicalField, Method,
-    Moment, RadauIia5, State, StepControl, StepError, StepReport, Tolerance, Trust,
-    integrate_with_error, simulate_with_error,
+    AdaptiveError, AdaptiveMethod, Composition, DormandPrince853, Horizon, Integrator,
+    MechanicalField, Method, Moment, RadauIia5, Scheme, State, StepControl, StepError, StepReport,
+    Tolerance, Trust, integrate_with_error, simulate, simulate_with_error,
 };
 
 /// True errors that are neither rounding nor as large as the motion.
@@ -51,6 +51,69 @@ fn an_estimate_is_half_to_twice_the_true_error_at_every_time() {
         }
     }
     assert!(judged > 150, "{judged}");
+}
+
+/// Two masses between walls, on springs whose force is `k d + b d^3`.
+struct StiffeningChain;
+
+impl StiffeningChain {
+    const LINEAR: f64 = 1.7796816501387025;
+    const CUBIC: f64 = 1.1312054626277597;
+}
+
+impl Potential for StiffeningChain {
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        let stretches = [q[0], q[1] - q[0], -q[1]];
+        stretches.iter().map(|d| d * d * (0.5 * Self::LINEAR + 0.25 * Self::CUBIC * d * d)).sum()
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        let [a, b, c] =
+            [q[0], q[1] - q[0], -q[1]].map(|d: f64| Self::LINEAR * d + Self::CUBIC * d.powi(3));
+        dv.0[0] += a - b;
+        dv.0[1] += b - c;
+    }
+
+    /// Nothing: explicit methods ask for none.
+    fn add_hessian(&self, _: &[f64], _: &mut impl Sink) {}
+}
+
+#[test]
+fn runs_that_shrink_in_places_alone_or_by_another_power_here_are_not_sure() {
+    let system =
+        System::new(DiagonalMetric::new([1.6494209015330825, 0.3]).unwrap(), StiffeningChain);
+    let system = system.unwrap();
+    let start = State::new([0.0, 1.2168799276825104], Covector([0.0; 2]));
+    let (end, steps, finer) = (4.85082111207118, 16, 64);
+    let follow = |scheme: Scheme, steps: u64| {
+        let mut states = Vec::new();
+        let mut state = start.clone();
+        let mut run = Composition::new(&system, scheme).unwrap();
+        simulate(&mut run, &mut state, Horizon::divided(end, steps).unwrap(), |now| {
+            states.push(now.state.q);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        states
+    };
+    let truth = follow(Scheme::KahanLi8, steps * finer);
+    let (mut state, mut converging) = (start.clone(), 0);
+    let make = || Composition::new(&system, Scheme::BlanesMoanNystrom6);
+    simulate_with_error(make, &mut state, Horizon::divided(end, steps).unwrap(), |now| {
+        let there = truth[(now.step * finer) as usize - 1];
+        let off = (there[0] - now.state.q[0]).hypot(there[1] - now.state.q[1]);
+        let ratio = now.distance() / off;
+        converging += u32::from(now.trust.converges());
+        // The steps of h and of h/2 are on the way to the method's order; those of h/4 are far beyond.
+        assert!(!now.is_sure() || (0.25..4.0).contains(&ratio), "{ratio} at step {}", now.step);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(converging > 0);
 }
 
 #[test]
@@ -107,7 +170,7 @@ fn a_storage_of_another_size_is_refused_before_the_first_step() {
     let planet = kepler(0.3).unwrap();
     let horizon = Horizon::divided(1.0, 10).unwrap();
     let make = || Method::StormerVerlet.integrator::<_, _, [f64; 3]>(&planet.system);
-    let mut state = State::new([0.0; 3], stationary_calculus::Covector([0.0; 3]));
+    let mut state = State::new([0.0; 3], Covector([0.0; 3]));
     let refused = simulate_with_error(make, &mut state, horizon, |_| ControlFlow::Continue(()));
     assert!(matches!(refused.unwrap_err().source, StepError::Size(_)));
 }
