@@ -23,12 +23,12 @@ impl<const F: usize> CarriedSum<F> {
 
     #[inline]
     pub(crate) fn add(&mut self, parts: [f64; F]) {
-        for k in 0..F {
-            let (before, part) = (self.sum[k], parts[k]);
+        for ((sum, lost), part) in self.sum.iter_mut().zip(&mut self.lost).zip(parts) {
+            let before = *sum;
             let after = before + part;
             let added = after - before;
-            self.lost[k] += (before - (after - added)) + (part - added);
-            self.sum[k] = after;
+            *lost += (before - (after - added)) + (part - added);
+            *sum = after;
         }
     }
 

@@ -11,6 +11,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
+use nalgebra::{Vector2, Vector3};
 use stationary_calculus::array;
 
 use crate::solve::body_state::BodyState;
@@ -20,7 +21,7 @@ use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
-use crate::{ContactError, ContactIn, Dimension, WorldReport};
+use crate::{ContactError, ContactIn, Dimension, Planar, Spatial, WorldReport};
 
 /// What solves the contacts of one island after another. There is one; the trait is how a dimension
 /// names it with its numbers of freedoms and directions.
@@ -41,19 +42,15 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
         report: &mut WorldReport,
     ) -> Result<[f64; 2], ContactError>;
 
-    /// Pushes apart what approaches its limit of `bias`, without friction, from rest, and brings no
-    /// contact farther below `least`: velocities of positions, to be read as
-    /// [`SolvesIslands::change`].
+    /// Pushes apart what approaches its limit, without friction, from rest: velocities of positions, to be
+    /// read as [`SolvesIslands::change`].
     ///
     /// # Errors
     /// [`ContactError::Immovable`] for a contact of two that nothing moves.
     fn lift(
         &mut self,
         island: [&[usize]; 2],
-        points: &[ContactIn<G>],
-        bias: &[f64],
-        least: &[f64],
-        states: &[BodyState<G>],
+        overlaps: Overlaps<G>,
         settled: f64,
     ) -> Result<(), ContactError>;
 
@@ -100,6 +97,15 @@ pub struct Conditions<'a, G: Dimension> {
     pub(crate) within: Within,
 }
 
+/// What is to be pushed apart: no contact may approach faster than `bias`, and none comes farther below `least`.
+#[derive(Clone, Copy)]
+pub struct Overlaps<'a, G: Dimension> {
+    pub(crate) points: &'a [ContactIn<G>],
+    pub(crate) bias: &'a [f64],
+    pub(crate) least: &'a [f64],
+    pub(crate) states: &'a [BodyState<G>],
+}
+
 /// What may be left, m/s.
 #[derive(Clone, Copy)]
 pub(crate) struct Within {
@@ -140,22 +146,61 @@ const LIFTS: usize = 20;
 /// only its impulses are good enough to be kept.
 const NEARLY_SETTLED: f64 = 30.0;
 
-impl<G, V, const F: usize, const D: usize> SolvesIslands<G> for IslandSolver<V, F, D>
+/// Not generic, so that the solver is compiled here and not in every crate that steps a world.
+macro_rules! solves_islands {
+    ($dimension:ty, $vector:ty, $freedoms:literal, $directions:literal) => {
+        impl SolvesIslands<$dimension> for IslandSolver<$vector, $freedoms, $directions> {
+            fn start(&mut self, bodies: usize) {
+                self.sweeps.start(bodies);
+            }
+
+            fn solve(
+                &mut self,
+                island: [&[usize]; 2],
+                conditions: Conditions<$dimension>,
+                impulses: &mut [$vector],
+                report: &mut WorldReport,
+            ) -> Result<[f64; 2], ContactError> {
+                self.solve_contacts(island, conditions, impulses, report)
+            }
+
+            fn lift(
+                &mut self,
+                island: [&[usize]; 2],
+                overlaps: Overlaps<$dimension>,
+                settled: f64,
+            ) -> Result<(), ContactError> {
+                self.lift_contacts(island, overlaps, settled)
+            }
+
+            fn rounding(&self) -> f64 {
+                self.rounding
+            }
+
+            fn change(&self, body: usize) -> &[f64; $freedoms] {
+                &self.sweeps.w[body]
+            }
+        }
+    };
+}
+
+solves_islands!(Planar, Vector2<f64>, 3, 2);
+solves_islands!(Spatial, Vector3<f64>, 6, 3);
+
+impl<V, const F: usize, const D: usize> IslandSolver<V, F, D>
 where
     V: Copy + Debug + PartialEq + Add<Output = V> + Mul<f64, Output = V>,
-    G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
 {
-    fn start(&mut self, bodies: usize) {
-        self.sweeps.start(bodies);
-    }
-
-    fn solve(
+    fn solve_contacts<G>(
         &mut self,
         [members, bodies]: [&[usize]; 2],
         conditions: Conditions<G>,
         impulses: &mut [V],
         report: &mut WorldReport,
-    ) -> Result<[f64; 2], ContactError> {
+    ) -> Result<[f64; 2], ContactError>
+    where
+        G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
+    {
         let Conditions { free, states, within } = conditions;
         self.pack::<G>(members, free.points, free.bias, states)?;
         self.x.clear();
@@ -216,15 +261,15 @@ where
         Ok(left)
     }
 
-    fn lift(
+    fn lift_contacts<G>(
         &mut self,
         [members, bodies]: [&[usize]; 2],
-        points: &[ContactIn<G>],
-        bias: &[f64],
-        least: &[f64],
-        states: &[BodyState<G>],
+        Overlaps { points, bias, least, states }: Overlaps<G>,
         settled: f64,
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), ContactError>
+    where
+        G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
+    {
         self.pack::<G>(members, points, bias, states)?;
         for (contact, &i) in self.contacts.iter_mut().zip(members) {
             contact.friction = 0.0;
@@ -255,14 +300,6 @@ where
         let w = &mut self.sweeps.w;
         bodies.iter().for_each(|&body| w[body] = array(|f| part * w[body][f]));
         Ok(())
-    }
-
-    fn rounding(&self) -> f64 {
-        self.rounding
-    }
-
-    fn change(&self, body: usize) -> &[f64; F] {
-        &self.sweeps.w[body]
     }
 }
 

@@ -3,7 +3,7 @@
 use stationary_calculus::Potential;
 
 use crate::solve::body_state::speed;
-use crate::solve::island_solver::SolvesIslands;
+use crate::solve::island_solver::{Overlaps, SolvesIslands};
 use crate::world::islands::has_joints;
 use crate::world::memory::Memory;
 use crate::{ContactError, ContactIn, DetectorIn, Dimension, World};
@@ -43,7 +43,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 continue;
             }
             let goal = settled.max(LIFT_TOLERANCE * worst);
-            solver.lift([members, bodies], contacts, lift_bias, lift_least, states, goal)?;
+            let overlaps =
+                Overlaps { points: contacts, bias: lift_bias, least: lift_least, states };
+            solver.lift([members, bodies], overlaps, goal)?;
             for &body in bodies {
                 let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());
                 let own = &mut lift.0[f * body..][..f];
