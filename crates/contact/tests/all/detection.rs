@@ -72,7 +72,7 @@ fn the_differential_of_the_gap_is_its_rate_for_every_pair_of_shapes() {
             };
             let mut detector = Detector::new(colliders, bodies).unwrap();
             let (mut seen, mut apart, mut switches) = (0, 0, 0);
-            for _ in 0..3000 {
+            for _ in 0..1000 {
                 let pose = |k: f64, random: &mut SplitMix64| RigidMotion {
                     translation: random_vector(random) * 0.3 + Vector3::x() * (1.0 * k),
                     rotation: Rotation::exp(random_vector(random) * 2.0),
@@ -104,7 +104,7 @@ fn the_differential_of_the_gap_is_its_rate_for_every_pair_of_shapes() {
                 let slope = (ahead.gap - behind.gap) / (2.0 * h);
                 assert!((slope - rate).abs() < 1e-5, "{names:?}: {slope} {rate}, {contact:?}");
             }
-            assert!(apart > 50 && switches * 50 < seen, "{names:?}: {apart} {seen} {switches}");
+            assert!(apart > 15 && switches * 25 < seen, "{names:?}: {apart} {seen} {switches}");
         }
     }
 }

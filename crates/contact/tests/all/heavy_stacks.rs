@@ -21,8 +21,8 @@ use stationary_rigid::{
 const GRAVITY: f64 = 9.81;
 const FRICTION: f64 = 0.5;
 const STEP: f64 = 1e-2;
-/// A second, in which what does not stand has fallen by metres.
-const STEPS: usize = 100;
+/// Half a second, in which what does not stand has fallen by a metre.
+const STEPS: usize = 50;
 
 /// A stack of boxes of 1 m, and how its numbers are read.
 struct Stack<'a> {

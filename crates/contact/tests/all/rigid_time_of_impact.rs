@@ -87,7 +87,7 @@ fn meet(shapes: &[Shape; 2], paths: &[RigidPath; 2], thickness: f64) -> Option<R
 fn no_meeting_of_rigid_bodies_is_missed_and_none_is_invented() {
     let mut random = SplitMix64::new(21);
     let (mut hits, mut never, mut most) = (0, 0, 0);
-    for query in 0..3_000 {
+    for query in 0..1_000 {
         let shapes = [shape(&mut random), shape(&mut random)];
         let turn = if query % 2 == 0 { 1.0 } else { 6.0 };
         let paths = [path(&mut random, turn), path(&mut random, turn)];
@@ -115,7 +115,7 @@ fn no_meeting_of_rigid_bodies_is_missed_and_none_is_invented() {
         }
     }
     println!("{hits} hits, {never} never, at most {most} intervals");
-    assert!(hits > 500 && never > 500 && most < 200, "{hits} {never} {most}");
+    assert!(hits > 150 && never > 150 && most < 200, "{hits} {never} {most}");
 }
 
 /// The thickness is set next to the least distance of the whole motion.
@@ -123,7 +123,7 @@ fn no_meeting_of_rigid_bodies_is_missed_and_none_is_invented() {
 fn what_grazes_within_the_tolerance_is_told_from_what_passes() {
     let mut random = SplitMix64::new(4);
     let (mut seen, mut most) = (0, 0);
-    while seen < 300 {
+    while seen < 100 {
         let shapes = [shape(&mut random), shape(&mut random)];
         let paths = [path(&mut random, 4.0), path(&mut random, 4.0)];
         let (least, when) = Distance::new(&shapes, paths).least(1.0, 400);

@@ -1,6 +1,7 @@
 //! Momenta over 100,000 steps, of every method whose facts promise them.
 
 use std::ops::ControlFlow;
+use std::thread;
 
 use stationary_calculus::{Energy, Number};
 use stationary_integrators::problems::three_bodies;
@@ -80,11 +81,16 @@ impl Energy<6> for ThreeBodies {
 #[test]
 fn variational_integrators_keep_them_too() {
     let problem = three_bodies().unwrap();
-    for quadrature in Quadrature::ALL {
+    let kept = &|quadrature: Quadrature| {
         let masses = [1.0, 1.0, 0.02, 0.02, 0.01, 0.01];
         let lagrangian = Mechanical::new(masses, ThreeBodies).unwrap();
         let mut integrator = Variational::new(Sampled { lagrangian, quadrature }).unwrap();
         let facts = Integrator::<[f64; 6]>::facts(&integrator);
         check(facts, drifts(&mut integrator, &problem.initial, 0.01));
-    }
+    };
+    thread::scope(|scope| {
+        for quadrature in Quadrature::ALL {
+            scope.spawn(move || kept(quadrature));
+        }
+    });
 }
