@@ -163,10 +163,11 @@ impl DiagonalMultipliers {
         Ok(())
     }
 
-    /// The largest of these values in units of its equation's threshold.
+    /// The largest of these values in units of its equation's threshold; no number where one is none.
     fn in_thresholds(&self, values: &[f64]) -> f64 {
         let ratio = |(r, t): (&f64, &f64)| if *t > 0.0 { (r / t).abs() } else { 0.0 };
-        values.iter().zip(&self.thresholds).map(ratio).fold(0.0, f64::max)
+        let ratios = values.iter().zip(&self.thresholds).map(ratio);
+        ratios.fold(0.0, |most, r| if r > most || r.is_nan() { r } else { most })
     }
 
     /// Where an equation is close to depending on others, corrects a solution by its residual.
@@ -418,6 +419,21 @@ mod tests {
             assert!(off <= 1e-8 * exact.amax(), "case {case}: {off:e} of {:e}", exact.amax());
         }
         assert!(judged > 150 && redundant > 50, "{judged} {redundant}");
+    }
+
+    #[test]
+    fn what_contradicts_itself_is_spread_and_what_is_no_number_is_refused() {
+        // One freedom twice: asked for 1 and for 3, it does 2.
+        let twice = DMatrix::from_row_slice(2, 1, &[1.0, 1.0]);
+        let mut solver = prepared(&twice, &[1.0], Redundancy::LeastNorm).unwrap();
+        let mut lambda = [1.0, 3.0];
+        solver.solve(&mut lambda).unwrap();
+        assert!((lambda[0] + lambda[1] - 2.0).abs() < 1e-15, "{lambda:?}");
+        // Agreed but for a part in 1e9, which is halved.
+        let mut lambda = [1.0, 1.0 + 1e-9];
+        solver.solve(&mut lambda).unwrap();
+        assert!((lambda[0] + lambda[1] - 1.0 - 5e-10).abs() < 1e-15, "{lambda:?}");
+        assert!(solver.solve(&mut [1.0, f64::NAN]).is_err());
     }
 
     #[test]

@@ -4,9 +4,10 @@
 //! x_h(t) = x(t) + c(t) h^k + d(t) h^(k+1) + ...           the error of a run with steps h
 //! e = a (x_{h/4} - x_{h/2}),    a = 1/(2^k - 1)           its first estimate, for steps h/4
 //! e + b (x_{h/4} - x_{h/2} + e - a (x_{h/2} - x_h)),      b = 1/(2^(k+1) - 1): the second, which is told
-//! r = max |x_{h/2} - x_h| / max |x_{h/4} - x_{h/2}|       2^k where the runs converge
+//! r = max |x_{h/2} - x_h| / max |x_{h/4} - x_{h/2}|       2^k where the runs converge, of q and of p
 //! ```
-//! `x = (q, p)`, `k` the order, the maxima over the way so far. What a step is off (a tolerance) says
+//! `x = (q, p)`, `k` the order, the maxima over the way so far; where q shrinks otherwise at this time, all of the
+//! estimate is doubtful. What a step is off (a tolerance) says
 //! little of this: errors of steps add up, cancel and grow with the flow. Three runs tell how good the
 //! estimate is: by its last correction, which stands beside it as its doubt, and by `r`. Where that is
 //! not the order's, the steps are too long, the motion is chaotic or all is rounding; this is said with
