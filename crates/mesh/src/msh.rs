@@ -5,8 +5,8 @@
 //! $Elements   tag type ... nodes        an element of Gmsh's type 1 2 4 (segments, triangles,
 //!                                       tetrahedra) or 8 9 11 (the same with middle nodes)
 //! ```
-//! Tags are any numbers; nodes are numbered anew in their order, and [`Tagged`] keeps their tags. Points (type 15) and all other
-//! sections, physical groups among them, are left out. Gmsh numbers the last two edges of a
+//! Tags are any numbers; nodes are numbered anew in their order, and [`Tagged`] keeps their tags. Points (type 15) and
+//! all other sections, physical groups among them, are left out. Gmsh numbers the last two edges of a
 //! tetrahedron the other way round; that is put right here. A file is not trusted: at most 256 MB
 //! are read, nothing is reserved for a number before the lines are there, and what is wrong is
 //! named with its line. A reader of its own, because the crates that read the format bring parsers
