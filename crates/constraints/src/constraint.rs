@@ -83,7 +83,7 @@ pub trait Constraint {
     /// Writes dg/dt at a configuration that stays, m numbers: zero unless something is driven.
     ///
     /// # Errors
-    /// SmallVec for another number than m; a configuration with fewer numbers than the constraint reads
+    /// Room for another number than m; a configuration with fewer numbers than the constraint reads
     /// for its rates.
     fn rate(&self, _t: f64, _q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
         check_values(self.count(), rate)?;

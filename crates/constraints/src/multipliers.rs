@@ -178,30 +178,19 @@ impl crate::Rows for Normal<'_> {
 }
 
 impl Normal<'_> {
-    /// The square of it for each equation; zero where an equation touches nothing.
-    pub(crate) fn squares(
-        metric: &impl Metric,
-        constraint: &impl Constraint,
-        t: f64,
-        q: &[f64],
-    ) -> Result<Vec<f64>, SizeError> {
-        let diagonal = Diagonal::of(metric);
-        let largest_mass = vec![0.0; constraint.count()];
-        let mut normal = Normal { mass: &diagonal.mass, largest_mass };
-        constraint.differential(t, q, &mut normal)?;
-        let square = |mass: f64| if mass > 0.0 { mass.recip() } else { 0.0 };
-        Ok(normal.largest_mass.into_iter().map(square).collect())
-    }
-
-    /// The largest of them over all equations.
+    /// The largest of them; zero where no equation touches anything.
     pub(crate) fn size(
         metric: &impl Metric,
         constraint: &impl Constraint,
         t: f64,
         q: &[f64],
     ) -> Result<f64, SizeError> {
-        let squares = Normal::squares(metric, constraint, t, q)?;
-        Ok(squares.into_iter().fold(0.0, f64::max).sqrt())
+        let diagonal = Diagonal::of(metric);
+        let largest_mass = vec![0.0; constraint.count()];
+        let mut normal = Normal { mass: &diagonal.mass, largest_mass };
+        constraint.differential(t, q, &mut normal)?;
+        let touched = normal.largest_mass.iter().filter(|mass| **mass > 0.0);
+        Ok(touched.fold(0.0, |most: f64, mass| most.max(mass.recip())).sqrt())
     }
 }
 

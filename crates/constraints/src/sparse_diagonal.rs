@@ -16,11 +16,11 @@
 
 mod shortest_forces;
 
-use stationary_calculus::{Covector, Metric, Vector};
+use stationary_calculus::{Covector, Metric, SizeError, Vector};
 
 use crate::elimination::Elimination;
 use crate::entries::{Entries, RowEntries, WeightedRows};
-use crate::multipliers::{DEPENDENT, Diagonal, Normal, check_solve};
+use crate::multipliers::{DEPENDENT, Diagonal, check_solve};
 use crate::products::Products;
 use crate::rank_revealing::{Dependent, RankRevealing, Unclear};
 use crate::rows::check_entries;
@@ -76,18 +76,16 @@ impl<C> Solver<C> for SparseDiagonal {
         let elements = entries.blocks().map(|block| block.equations.to_vec());
         let elements: Vec<Vec<u32>> = elements.collect();
         let elimination = Elimination::of(count, &elements);
-        let slopes: Vec<f64> = (0..count).map(|row| constraint.scale(row).slope).collect();
-        let normal = Normal::squares(metric, constraint, t, q)?.into_iter().zip(&slopes);
         let zeros = vec![0.0; count];
-        Ok(DiagonalMultipliers {
+        let mut multipliers = DiagonalMultipliers {
             count,
             prepared: false,
             redundancy: self.0,
             rows: RowEntries::of(&entries, count),
             products: Products::of(&entries, &elimination),
-            thresholds: normal.map(|(square, slope)| DEPENDENT * slope * square.sqrt()).collect(),
-            inverse_mass: mass.iter().map(|mass| mass.recip()).collect(),
-            slopes,
+            thresholds: zeros.clone(),
+            inverse_mass: vec![0.0; mass.len()],
+            slopes: zeros.clone(),
             factor: RankRevealing::new(elimination, mass.len()),
             velocity: vec![0.0; mass.len()],
             right: zeros.clone(),
@@ -99,7 +97,9 @@ impl<C> Solver<C> for SparseDiagonal {
             left: zeros.clone(),
             rest: zeros,
             entries,
-        })
+        };
+        multipliers.weigh(&mass, constraint);
+        Ok(multipliers)
     }
 }
 
@@ -120,6 +120,72 @@ impl DiagonalMultipliers {
     /// How many equations depend on the others, where it was prepared last.
     pub fn dependent(&self) -> usize {
         self.factor.dependent.len()
+    }
+
+    /// Takes other masses and another constraint whose entries are in the same places, and prepares for a
+    /// configuration: what [`Solver::analyse`] finds about places is kept.
+    ///
+    /// # Errors
+    /// [`ConstraintError::PatternChanged`] where entries are in other places; other sizes; those of
+    /// [`Multipliers::prepare`].
+    pub fn renew(
+        &mut self,
+        masses: &[f64],
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError> {
+        self.prepared = false;
+        SizeError::check("the masses", self.inverse_mass.len(), masses.len())?;
+        SizeError::check("the constraint's equations", self.count, constraint.count())?;
+        self.weigh(masses, constraint);
+        self.factor_at(constraint, t, q)
+    }
+
+    /// Takes masses, and how large the entries of each row normally are.
+    fn weigh(&mut self, masses: &[f64], constraint: &impl Constraint) {
+        let DiagonalMultipliers { entries, inverse_mass, slopes, thresholds, .. } = self;
+        inverse_mass.iter_mut().zip(masses).for_each(|(inverse, mass)| *inverse = mass.recip());
+        // The largest mass that a row touches, and then what is made of it.
+        thresholds.fill(0.0);
+        for &(row, freedom) in &entries.pattern.places {
+            let largest = &mut thresholds[row as usize];
+            *largest = largest.max(masses[freedom as usize]);
+        }
+        for (row, (slope, threshold)) in slopes.iter_mut().zip(thresholds).enumerate() {
+            *slope = constraint.scale(row).slope;
+            let normal = if *threshold > 0.0 { threshold.recip().sqrt() } else { 0.0 };
+            *threshold = DEPENDENT * *slope * normal;
+        }
+    }
+
+    fn factor_at(
+        &mut self,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError> {
+        self.entries.write(constraint, t, q)?;
+        let DiagonalMultipliers { entries, rows, products, inverse_mass, factor, .. } = self;
+        products.write(entries, inverse_mass, &mut factor.values);
+        if let Some(index) = factor.non_finite_row() {
+            return Err(ConstraintError::NonFinite { what: "size of an equation", index });
+        }
+        let rows = WeightedRows { entries, rows, inverse_mass };
+        factor.factor(&rows, &self.thresholds).map_err(|unclear| {
+            let Unclear { equation: row, distance, error } = unclear;
+            let size = self.thresholds[row] / DEPENDENT;
+            ConstraintError::RankUnclear { row, distance: distance / size, error: error / size }
+        })?;
+        if self.redundancy == Redundancy::Refuse
+            && let Some(&Dependent { equation, distance }) = factor.dependent.first()
+        {
+            let row = equation as usize;
+            let ratio = distance / (self.thresholds[row] / DEPENDENT);
+            return Err(ConstraintError::Singular { ratio, row });
+        }
+        self.prepared = true;
+        Ok(())
     }
 
     /// Writes `S x` for all equations.
@@ -216,27 +282,7 @@ impl Multipliers for DiagonalMultipliers {
         q: &[f64],
     ) -> Result<(), ConstraintError> {
         self.prepared = false;
-        self.entries.write(constraint, t, q)?;
-        let DiagonalMultipliers { entries, rows, products, inverse_mass, factor, .. } = self;
-        products.write(entries, inverse_mass, &mut factor.values);
-        if let Some(index) = factor.non_finite_row() {
-            return Err(ConstraintError::NonFinite { what: "size of an equation", index });
-        }
-        let rows = WeightedRows { entries, rows, inverse_mass };
-        factor.factor(&rows, &self.thresholds).map_err(|unclear| {
-            let Unclear { equation: row, distance, error } = unclear;
-            let size = self.thresholds[row] / DEPENDENT;
-            ConstraintError::RankUnclear { row, distance: distance / size, error: error / size }
-        })?;
-        if self.redundancy == Redundancy::Refuse
-            && let Some(&Dependent { equation, distance }) = factor.dependent.first()
-        {
-            let row = equation as usize;
-            let ratio = distance / (self.thresholds[row] / DEPENDENT);
-            return Err(ConstraintError::Singular { ratio, row });
-        }
-        self.prepared = true;
-        Ok(())
+        self.factor_at(constraint, t, q)
     }
 
     fn regularity(&self) -> Option<f64> {

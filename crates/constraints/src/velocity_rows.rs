@@ -19,7 +19,7 @@
 //! [`RowLaw::nearest`] how far impulses are from admissible. Source: Moreau (1988), Unilateral contact
 //! and dry friction, for the laws as projections.
 
-use stationary_calculus::{Covector, Vector};
+use stationary_calculus::{Covector, SizeError, Vector};
 
 use crate::{Constraint, ConstraintError, Rows};
 
@@ -154,8 +154,42 @@ impl VelocityRows {
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
+        self.push_equalities(constraint, t, q, Constraint::rate)
+    }
+
+    /// Appends what closes a constraint that is open at `(t, q)`, `J d = -g`, as equalities of a motion.
+    ///
+    /// # Errors
+    /// Those of [`VelocityRows::push_constraint`].
+    pub fn push_closing(
+        &mut self,
+        constraint: &impl Constraint,
+        t: f64,
+        q: &[f64],
+    ) -> Result<(), ConstraintError> {
+        self.push_equalities(constraint, t, q, Constraint::value)
+    }
+
+    /// Appends the blocks of other rows, with what they ask for.
+    pub fn extend(&mut self, more: &VelocityRows) {
+        let (rows, entries) = (self.rows(), self.entries.len());
+        self.laws.extend_from_slice(&more.laws);
+        self.blocks.extend(more.blocks[1..].iter().map(|end| rows + end));
+        self.starts.extend(more.starts[1..].iter().map(|end| entries + end));
+        self.entries.extend_from_slice(&more.entries);
+        self.asked.extend_from_slice(&more.asked);
+    }
+
+    /// Appends the rows of a constraint, which ask for these numbers with their signs turned.
+    fn push_equalities<K: Constraint>(
+        &mut self,
+        constraint: &K,
+        t: f64,
+        q: &[f64],
+        numbers: Numbers<K>,
+    ) -> Result<(), ConstraintError> {
         let (before, entries) = (self.rows(), self.entries.len());
-        let pushed = self.append(constraint, t, q);
+        let pushed = self.append(constraint, t, q, numbers);
         if pushed.is_err() {
             self.asked.truncate(before);
             self.starts.truncate(before + 1);
@@ -164,15 +198,16 @@ impl VelocityRows {
         pushed
     }
 
-    fn append(
+    fn append<K: Constraint>(
         &mut self,
-        constraint: &impl Constraint,
+        constraint: &K,
         t: f64,
         q: &[f64],
+        numbers: Numbers<K>,
     ) -> Result<(), ConstraintError> {
         let (before, count) = (self.rows(), constraint.count());
         self.asked.resize(before + count, 0.0);
-        constraint.rate(t, q, &mut self.asked[before..])?;
+        numbers(constraint, t, q, &mut self.asked[before..])?;
         self.asked[before..].iter_mut().for_each(|w| *w = -*w);
         let mut append = Append { rows: self, before, disorder: None };
         constraint.differential(t, q, &mut append)?;
@@ -227,6 +262,9 @@ impl VelocityRows {
         }
     }
 }
+
+/// Writes a number for each equation of a constraint.
+type Numbers<K> = fn(&K, f64, &[f64], &mut [f64]) -> Result<(), SizeError>;
 
 /// Takes a constraint's differential behind the rows that there are.
 struct Append<'a> {

@@ -4,4 +4,4 @@ pub(crate) mod response;
 pub(crate) mod lemke;
 pub(crate) mod coupled_rows;
 pub(crate) mod equalities;
-pub(crate) mod solve_rows;
+pub(crate) mod rows_solver;

@@ -35,7 +35,7 @@
 //! Reading order: differentials of gaps ([`ContactRows`]), the inverse mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
 //! laws ([`ImpactLaw`]). Rows of all laws, equalities and limits of joints beside contacts, between
-//! whatever answers to impulses ([`Response`], [`solve_rows`]). Then the plane and space, by the
+//! whatever answers to impulses ([`Response`], [`RowsSolver`]). Then the plane and space, by the
 //! features `2d` and `3d`: what they are to contact ([`Dimension`]), shapes (balls, capsules, cylinders,
 //! cones, ellipsoids, boxes, hulls, polygons, half-spaces and meshes), colliders and detection, the same
 //! text for both ([`PlanarDetector`], [`Detector`]), which is asked for rays, closest points, overlaps and what
@@ -71,7 +71,7 @@ mod order;
 pub mod problems;
 
 pub use coupled::response::{FactorResponse, Response, SideBySide};
-pub use coupled::solve_rows::{COUPLED_ROWS, RowsReport, solve_rows};
+pub use coupled::rows_solver::{COUPLED_ROWS, RowsReport, RowsSolver};
 #[cfg(feature = "3d")]
 pub use detect::contact_point::ContactPoint;
 #[cfg(feature = "2d")]

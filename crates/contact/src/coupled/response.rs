@@ -19,10 +19,10 @@ pub trait Response {
     /// come more than once. The row's freedoms are below [`Response::freedoms`].
     fn respond(&mut self, row: &[(usize, f64)], change: &mut Vec<(usize, f64)>);
 
-    /// One over the mass of each freedom, zero of what no impulse moves; nothing where freedoms are coupled, or
-    /// it is not known whether they are.
-    fn inverse_masses(&self) -> Option<Vec<f64>> {
-        None
+    /// Writes one over the mass of each freedom, zero of what no impulse moves; says no where freedoms are
+    /// coupled, or it is not known whether they are.
+    fn inverse_masses(&self, _inverse: &mut Vec<f64>) -> bool {
+        false
     }
 }
 
@@ -35,8 +35,8 @@ impl Response for InverseMass {
         (&*self).respond(row, change);
     }
 
-    fn inverse_masses(&self) -> Option<Vec<f64>> {
-        self.diagonal()
+    fn inverse_masses(&self, inverse: &mut Vec<f64>) -> bool {
+        self.write_diagonal(inverse)
     }
 }
 
@@ -49,8 +49,8 @@ impl Response for &InverseMass {
         self.lift(row.iter().copied(), |freedom, value| change.push((freedom, value)));
     }
 
-    fn inverse_masses(&self) -> Option<Vec<f64>> {
-        self.diagonal()
+    fn inverse_masses(&self, inverse: &mut Vec<f64>) -> bool {
+        self.write_diagonal(inverse)
     }
 }
 
@@ -110,9 +110,11 @@ impl<A: Response, B: Response> Response for SideBySide<A, B> {
         }
     }
 
-    fn inverse_masses(&self) -> Option<Vec<f64>> {
-        let mut both = self.first.inverse_masses()?;
-        both.extend(self.second.inverse_masses()?);
-        Some(both)
+    fn inverse_masses(&self, inverse: &mut Vec<f64>) -> bool {
+        let mut second = Vec::new();
+        let diagonal =
+            self.first.inverse_masses(inverse) && self.second.inverse_masses(&mut second);
+        inverse.append(&mut second);
+        diagonal
     }
 }

@@ -93,13 +93,14 @@ impl InverseMass {
         self.held[freedom]
     }
 
-    /// One over the mass of each freedom, zero of those that are held; nothing where freedoms are coupled.
-    pub(crate) fn diagonal(&self) -> Option<Vec<f64>> {
-        let own = self.place.iter().zip(&self.held).map(|(&(block, _), held)| {
-            let [inverse] = self.blocks[block].inverse.as_slice() else { return None };
-            Some(if *held { 0.0 } else { *inverse })
-        });
-        own.collect()
+    /// Writes one over the mass of each freedom, zero of those that are held; says no where freedoms are coupled.
+    pub(crate) fn write_diagonal(&self, inverse: &mut Vec<f64>) -> bool {
+        inverse.clear();
+        for (&(block, _), held) in self.place.iter().zip(&self.held) {
+            let [own] = self.blocks[block].inverse.as_slice() else { return false };
+            inverse.push(if *held { 0.0 } else { *own });
+        }
+        true
     }
 
     /// Calls `add` with the entries of `M^-1 dg^T`, each freedom once for every entry of the row

@@ -13,7 +13,7 @@
 use stationary_calculus::Vector;
 use stationary_constraints::{RowLaw, VelocityRows};
 
-use crate::{ContactError, InverseMass, solve_rows};
+use crate::{ContactError, InverseMass, RowsSolver};
 
 /// What may be left, relative to the fastest rate of a row.
 const SETTLED: f64 = 1e-9;
@@ -41,14 +41,15 @@ impl JointedPass<'_> {
         let held = instantaneous(self.joints, v.0.len())?;
         let mut rows = held.clone();
         append(self.contacts, &mut rows)?;
+        let mut solver = RowsSolver::default();
         // What joints are off by would come back magnified, and as energy.
         let mut closing = vec![0.0; held.rows()];
-        solve_rows(&held, &mut &*self.mass, 0.0, &mut closing, v.view_mut())?;
+        solver.solve(&held, &mut &*self.mass, 0.0, &mut closing, v.view_mut())?;
         let before = v.clone();
         let rate = |row| rows.lack(row, before.view()).abs();
         let enough = SETTLED * (0..rows.rows()).map(rate).fold(0.0, f64::max);
         let mut x = vec![0.0; rows.rows()];
-        let done = solve_rows(&rows, &mut &*self.mass, enough, &mut x, v.view_mut())?;
+        let done = solver.solve(&rows, &mut &*self.mass, enough, &mut x, v.view_mut())?;
         let compressed = x.split_off(held.rows());
         let mut settled = done.settled;
         // Between the largest part that is known to gain nothing and the smallest that gains.
@@ -65,7 +66,7 @@ impl JointedPass<'_> {
                 self.mass.lift(entries, |freedom, value| v.0[freedom] += x * value);
             }
             let mut holding = vec![0.0; held.rows()];
-            let kept = solve_rows(&held, &mut &*self.mass, enough, &mut holding, v.view_mut())?;
+            let kept = solver.solve(&held, &mut &*self.mass, enough, &mut holding, v.view_mut())?;
             let mut gained = [0.0_f64; 2];
             for (rows, x) in [(self.contacts, &impulses), (&held, &holding)] {
                 for (row, x) in x.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Islands with joints: the rows of joints and of contacts in one solve.
 //!
 //! ```text
-//! rows of joints, cones of contacts          velocities                       see `solve_rows`
+//! rows of joints, cones of contacts          velocities                       see `rows_solver.rs`
 //! J d = 0,   dg d + .. >= 0                  lifting, which keeps joints closed
 //! J d = -g,  dg d >= -(what is left of gaps) closing joints after the step
 //! J' v = -dg/dt                              velocities where the step ends, as chosen steps want them
@@ -17,7 +17,7 @@ use crate::world::lifting::lifted_part;
 use crate::world::memory::Memory;
 use crate::world::tolerances::ROUNDING;
 use crate::{
-    ContactError, ContactIn, ContactRows, Dimension, JointRows, World, WorldReport, solve_rows,
+    ContactError, ContactIn, ContactRows, Dimension, JointRows, RowsSolver, World, WorldReport,
 };
 
 /// How often joints are closed after a step, at most: each round squares what is left.
@@ -35,27 +35,26 @@ pub(crate) struct Closed {
     pub(crate) done: bool,
 }
 
-/// The movable bodies that each block of rows names, two by two; the body numbered `bodies` stands for
-/// what does not move.
-pub(crate) fn links(
-    rows: &VelocityRows,
-    freedoms: usize,
-    bodies: usize,
-    moves: impl Fn(usize) -> bool,
-) -> Vec<[usize; 2]> {
-    let mut links = Vec::new();
-    for (_, block) in rows.blocks() {
-        let named = block.flat_map(|row| rows.row(row)).map(|(freedom, _)| freedom / freedoms);
-        let mut named: Vec<usize> = named.filter(|&body| moves(body)).collect();
-        named.sort_unstable();
-        named.dedup();
-        match named[..] {
-            [] => {}
-            [body] => links.push([body, bodies]),
-            _ => links.extend(named.windows(2).map(|pair| [pair[0], pair[1]])),
-        }
-    }
-    links
+/// What steps with joints write.
+#[derive(Debug, Default)]
+pub(crate) struct JointedMemory {
+    /// Rows that are solved together, their impulses, the motion that they lead to, and who solves them.
+    rows: VelocityRows,
+    x: Vec<f64>,
+    motion: Vector<Vec<f64>>,
+    solver: RowsSolver,
+    /// What is left of the gaps of the contacts that are solved with joints.
+    left: VelocityRows,
+    room: RowRoom,
+    /// The bodies that a block of rows names.
+    named: Vec<usize>,
+}
+
+/// Entries of rows before they are appended.
+#[derive(Debug, Default)]
+struct RowRoom {
+    own: ContactRows,
+    entries: Vec<(usize, f64)>,
 }
 
 impl<G: Dimension, P: Potential> World<G, P> {
@@ -66,14 +65,26 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         from: &impl JointRows,
     ) -> Result<(), ContactError> {
-        let Memory { joints, joint_impulses, linked, left, scales, .. } = &mut self.memory;
+        let Memory { joints, joint_impulses, linked, scales, jointed, .. } = &mut self.memory;
         joints.clear();
         joint_impulses.clear();
-        left.clear();
+        linked.clear();
+        jointed.left.clear();
         from.velocity_rows(state.t, &state.q, h, joints)?;
         joints.check(self.mass.dim())?;
-        let moves = |body: usize| scales[body].as_ref()[0] > 0.0;
-        *linked = links(joints, G::FREEDOMS, scales.len(), moves);
+        // The movable bodies that each block names, two by two; one past the last stands for what does not move.
+        let named = &mut jointed.named;
+        for (_, block) in joints.blocks() {
+            let bodies = block.flat_map(|row| joints.row(row)).map(|(f, _)| f / G::FREEDOMS);
+            named.clear();
+            named.extend(bodies.filter(|&body| scales[body].as_ref()[0] > 0.0));
+            named.sort_unstable();
+            named.dedup();
+            match named[..] {
+                [body] => linked.push([body, scales.len()]),
+                _ => linked.extend(named.windows(2).map(|pair| [pair[0], pair[1]])),
+            }
+        }
         Ok(())
     }
 
@@ -86,11 +97,15 @@ impl<G: Dimension, P: Potential> World<G, P> {
         finest: f64,
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let Memory { joints, joint_impulses, v, before, bias, impulses, .. } = &mut self.memory;
-        let mut rows = joints.clone();
-        let mut x = vec![0.0; rows.rows()];
+        let Memory { joints, joint_impulses, v, before, bias, impulses, jointed, .. } =
+            &mut self.memory;
+        let JointedMemory { rows, room, x, solver, .. } = jointed;
+        rows.clear();
+        rows.extend(joints);
+        x.clear();
+        x.resize(rows.rows(), 0.0);
         for &i in members {
-            push_cone(&contacts[i], q, -bias[i], &mut rows)?;
+            push_cone(&contacts[i], q, -bias[i], room, rows)?;
             let directions = G::directions(&contacts[i].normal);
             x.extend(directions.as_ref().iter().map(|along| G::dot(&impulses[i], along)));
         }
@@ -101,7 +116,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 lack => lack.abs(),
             });
         let enough = (AMPLIFICATION * finest).max(ROUNDING * fastest.fold(0.0, f64::max));
-        let done = solve_rows(&rows, &mut &self.mass, enough, &mut x, v.view_mut())?;
+        let done = solver.solve(rows, &mut &self.mass, enough, x, v.view_mut())?;
         report.islands += done.islands;
         report.solved += done.solved;
         report.settled &= done.settled;
@@ -139,9 +154,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { joints, left, lift_bias, lift, v, .. } = &mut self.memory;
+        let Memory { joints, lift_bias, lift, v, jointed, .. } = &mut self.memory;
+        let JointedMemory { rows, left, room, x, motion, solver, .. } = jointed;
+        let RowRoom { own, entries } = room;
         left.clear();
-        let mut rows = VelocityRows::default();
+        rows.clear();
         for (law, block) in joints.blocks() {
             let row = block.start;
             // What the step's velocity has left of a limit.
@@ -150,25 +167,29 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 RowLaw::Limit => -joints.lack(row, v.view()).max(0.0),
                 RowLaw::Bounded(_) | RowLaw::Cone(_) => continue,
             };
-            let entries: Vec<_> = joints.row(row).collect();
-            rows.push(law, &[(&entries, asked)])?;
+            entries.clear();
+            entries.extend(joints.row(row));
+            rows.push(law, &[(entries, asked)])?;
         }
         let mut overlaps = false;
         for &i in members {
-            let mut normal = ContactRows::new();
-            contacts[i].push_row(q, &mut normal);
-            let entries: Vec<_> = normal.row(0).collect();
-            rows.push(RowLaw::Limit, &[(&entries, -lift_bias[i])])?;
+            own.clear();
+            contacts[i].push_row(q, own);
+            entries.clear();
+            entries.extend(own.row(0));
+            rows.push(RowLaw::Limit, &[(entries, -lift_bias[i])])?;
             overlaps |= contacts[i].gap < 0.0 && lift_bias[i] < -settled;
             let gap = if contacts[i].gap < 0.0 { 0.0 } else { (h * lift_bias[i]).max(0.0) };
-            left.push(RowLaw::Limit, &[(&entries, -gap)])?;
+            left.push(RowLaw::Limit, &[(entries, -gap)])?;
         }
         if overlaps {
-            let mut motion = Vector(vec![0.0; lift.0.len()]);
-            let mut x = vec![0.0; rows.rows()];
-            solve_rows(&rows, &mut &self.mass, settled, &mut x, motion.view_mut())?;
+            motion.0.clear();
+            motion.0.resize(lift.0.len(), 0.0);
+            x.clear();
+            x.resize(rows.rows(), 0.0);
+            solver.solve(rows, &mut &self.mass, settled, x, motion.view_mut())?;
             let part = lifted_part(&self.detector, 0..self.detector.bodies(), &motion.0, h);
-            self.memory.lift.add_scaled(part, motion.view());
+            lift.add_scaled(part, motion.view());
         }
         Ok(())
     }
@@ -197,7 +218,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if places.is_empty() {
             return Ok(());
         }
-        let Memory { start: v, joint_impulses, .. } = &mut self.memory;
+        let Memory { start: v, joint_impulses, jointed, .. } = &mut self.memory;
         self.system.metric().sharp(state.p.view(), v.view_mut());
         let rate = |row: usize, v: &[f64]| rows.row(row).map(|(f, x)| x * v[f]).sum::<f64>();
         let before: Vec<f64> = (0..places.len()).map(|row| rate(row, &v.0)).collect();
@@ -206,7 +227,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         });
         let mut x = vec![0.0; places.len()];
         let enough = (ROUNDING * largest).max(CLOSED);
-        let done = solve_rows(&rows, &mut &self.mass, enough, &mut x, v.view_mut())?;
+        let done = jointed.solver.solve(&rows, &mut &self.mass, enough, &mut x, v.view_mut())?;
         report.settled &= done.settled;
         for ((row, &place), (x, before)) in places.iter().enumerate().zip(x.iter().zip(before)) {
             report.joint_energy -= 0.5 * x * (before + rate(row, &v.0));
@@ -237,14 +258,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
 
     /// Closes the joints of the state that is written, by moving bodies, as far as they let themselves.
     pub(crate) fn close(&mut self, joints: &impl JointRows) -> Result<Closed, ContactError> {
-        let next = &mut self.memory.next;
+        let Memory { next, jointed, .. } = &mut self.memory;
+        let JointedMemory { rows, left, x, motion, solver, .. } = jointed;
         let farthest = next.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
         let (mut first, mut last) = (0.0, f64::INFINITY);
         for round in 0..=CLOSINGS {
-            let mut rows = self.memory.left.clone();
+            rows.clear();
+            rows.extend(left);
             let contacts = rows.rows();
-            joints.position_rows(next.t, &next.q, &mut rows)?;
-            let mut motion = Vector(vec![0.0; self.mass.dim()]);
+            joints.position_rows(next.t, &next.q, rows)?;
+            motion.0.clear();
+            motion.0.resize(self.mass.dim(), 0.0);
             rows.check(self.mass.dim())?;
             let lacks = rows.blocks().filter(|(_, block)| block.start >= contacts);
             let open =
@@ -261,8 +285,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 return Ok(Closed { open, done: open <= enough });
             }
             last = open;
-            let mut x = vec![0.0; rows.rows()];
-            solve_rows(&rows, &mut &self.mass, CLOSED, &mut x, motion.view_mut())?;
+            x.clear();
+            x.resize(rows.rows(), 0.0);
+            solver.solve(rows, &mut &self.mass, CLOSED, x, motion.view_mut())?;
             self.system.space().advance(&mut next.q, 1.0, motion.view());
         }
         Ok(Closed { open: last, done: false })
@@ -270,20 +295,23 @@ impl<G: Dimension, P: Potential> World<G, P> {
 }
 
 /// Appends the cone of a contact, whose normal asks for a velocity.
-pub(crate) fn push_cone<G: Dimension>(
+fn push_cone<G: Dimension>(
     contact: &ContactIn<G>,
     q: &[f64],
     asked: f64,
+    room: &mut RowRoom,
     rows: &mut VelocityRows,
 ) -> Result<(), ContactError> {
-    let mut own = ContactRows::new();
-    contact.push_row(q, &mut own);
-    contact.push_tangents(q, &mut own);
-    let entries: Vec<Vec<_>> = (0..own.len()).map(|row| own.row(row).collect()).collect();
-    let block: Vec<(&[(usize, f64)], f64)> = entries
-        .iter()
-        .zip([asked, 0.0, 0.0])
-        .map(|(entries, asked)| (&entries[..], asked))
-        .collect();
-    Ok(rows.push(RowLaw::Cone(contact.friction), &block)?)
+    let RowRoom { own, entries } = room;
+    own.clear();
+    contact.push_row(q, own);
+    contact.push_tangents(q, own);
+    entries.clear();
+    entries.extend((0..own.len()).flat_map(|row| own.row(row)));
+    let (mut block, mut rest) = ([(&[][..], 0.0); 3], &entries[..]);
+    for (row, block) in block[..own.len()].iter_mut().enumerate() {
+        (block.0, rest) = rest.split_at(own.row(row).count());
+    }
+    block[0].1 = asked;
+    Ok(rows.push(RowLaw::Cone(contact.friction), &block[..own.len()])?)
 }

@@ -9,7 +9,7 @@
 //! of joints is one. What turns leaves joints open by order `h^2` over a step: they are
 //! closed by moving bodies, never by a velocity, as overlap is lifted, and contacts count there as well.
 
-use stationary_constraints::{Constraint, ConstraintError, RowLaw, Rows, VelocityRows};
+use stationary_constraints::{Constraint, ConstraintError, VelocityRows};
 use stationary_rigid::{JointFriction, JointLimits};
 
 /// What asks for rows beside contacts.
@@ -181,24 +181,6 @@ impl<K: Constraint> JointRows for Kept<K> {
         q: &[f64],
         rows: &mut VelocityRows,
     ) -> Result<(), ConstraintError> {
-        let mut open = vec![0.0; self.0.count()];
-        self.0.value(t, q, &mut open)?;
-        let mut entries = Entries(vec![Vec::new(); open.len()]);
-        self.0.differential(t, q, &mut entries)?;
-        for (entries, open) in entries.0.iter().zip(open) {
-            rows.push(RowLaw::Equality, &[(entries, -open)])?;
-        }
-        Ok(())
-    }
-}
-
-/// The entries of each row of a differential.
-struct Entries(Vec<Vec<(usize, f64)>>);
-
-impl Rows for Entries {
-    fn add(&mut self, row: usize, freedom: usize, value: f64) {
-        if let Some(entries) = self.0.get_mut(row) {
-            entries.push((freedom, value));
-        }
+        rows.push_closing(&self.0, t, q)
     }
 }

@@ -10,6 +10,7 @@ use crate::solve::body_state::BodyState;
 use crate::solve::islands::Islands;
 use crate::solve::rolling::ContactMoments;
 use crate::when::rigid_time_of_impact::MeetRoom;
+use crate::world::jointed::JointedMemory;
 use crate::world::resting::Resting;
 use crate::{ContactIn, Dimension};
 
@@ -22,12 +23,11 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) v: Vector<Vec<f64>>,
     pub(super) increment: Vector<Vec<f64>>,
     pub(super) lift: Vector<Vec<f64>>,
-    /// Rows of joints over the step and their impulses, the movable bodies that they name, and what is left
-    /// of the gaps of the contacts that are solved with them.
+    /// Rows of joints over the step and their impulses, and the movable bodies that they name.
     pub(super) joints: VelocityRows,
     pub(super) joint_impulses: Vec<f64>,
     pub(super) linked: Vec<[usize; 2]>,
-    pub(super) left: VelocityRows,
+    pub(super) jointed: JointedMemory,
     pub(super) dv: Covector<Vec<f64>>,
     /// How far each body moves in the step, m.
     pub(super) reach: Vec<f64>,
@@ -73,7 +73,7 @@ impl<G: Dimension> Memory<G> {
             joints: VelocityRows::default(),
             joint_impulses: Vec::new(),
             linked: Vec::new(),
-            left: VelocityRows::default(),
+            jointed: JointedMemory::default(),
             dv: Covector(vec![0.0; n]),
             reach: Vec::new(),
             passing: Vec::new(),

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector2};
 use stationary_calculus::{Covector, DiagonalMetric, System, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
-use stationary_contact::{InverseMass, Kept, PlanarDetector, PlanarWorld, solve_rows};
+use stationary_contact::{InverseMass, Kept, PlanarDetector, PlanarWorld, RowsSolver};
 use stationary_integrators::State;
 use stationary_measure::SplitMix64;
 use stationary_rigid::{PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight};
@@ -12,6 +12,7 @@ use stationary_rigid::{PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight};
 /// meet what is asked for, by the least change in the mass metric.
 #[test]
 fn velocities_meet_equalities_by_the_least_change_though_some_depend_on_others() {
+    let mut solver = RowsSolver::default();
     for seed in 0..200 {
         let mut noise = SplitMix64::new(seed);
         let mut unit = || 0.5 + 0.5 * noise.symmetric();
@@ -38,7 +39,7 @@ fn velocities_meet_equalities_by_the_least_change_though_some_depend_on_others()
             rows.push(RowLaw::Equality, &[(&entries, wanted[row])]).unwrap();
         }
         let (mut x, mut v) = (vec![0.0; count], before.clone());
-        let report = solve_rows(&rows, &mut mass, 1e-9, &mut x, Vector(&mut v)).unwrap();
+        let report = solver.solve(&rows, &mut mass, 1e-9, &mut x, Vector(&mut v)).unwrap();
         assert!(report.settled && report.residual < 1e-10, "{seed}: {report:?}");
         let change = DVector::from_fn(n, |k, _| v[k] - before[k]);
         let pulled = a.transpose() * DVector::from_vec(x);
@@ -58,7 +59,8 @@ fn what_contradicts_itself_is_not_settled() {
         rows.push(RowLaw::Equality, &[(&[(0, 1.0)], asked)]).unwrap();
     }
     let (mut x, mut v) = ([0.0; 2], [0.0]);
-    let report = solve_rows(&rows, &mut mass, 1e-9, &mut x, Vector(&mut v)).unwrap();
+    let mut solver = RowsSolver::default();
+    let report = solver.solve(&rows, &mut mass, 1e-9, &mut x, Vector(&mut v)).unwrap();
     assert!(!report.settled && report.residual > 0.4, "{report:?}");
 }
 

@@ -4,7 +4,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use stationary_calculus::{DiagonalMetric, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
-use stationary_contact::{ContactError, FactorResponse, InverseMass, SideBySide, solve_rows};
+use stationary_contact::{ContactError, FactorResponse, InverseMass, RowsSolver, SideBySide};
 
 /// Vertices along a side, and of all.
 const SIDE: usize = 5;
@@ -151,13 +151,15 @@ fn a_sheet_that_lands_on_a_box_takes_it_along_and_no_law_is_broken() {
         load.copy_from_slice(x.as_slice());
     };
     let mut response = SideBySide { first: FactorResponse::new(N, solve), second: mass };
+    let mut solver = RowsSolver::default();
     let mut impulses = vec![0.0; 3 * VERTICES + 4];
     let (mut slid, mut stuck) = (0, 0);
     for step in 0..400 {
         let (energy, before) = (scene.energy(), scene.momentum());
         let mut v = scene.free();
         let (rows, vertices) = scene.rows();
-        let report = solve_rows(&rows, &mut response, 1e-9, &mut impulses, Vector(&mut v)).unwrap();
+        let report =
+            solver.solve(&rows, &mut response, 1e-9, &mut impulses, Vector(&mut v)).unwrap();
         assert!(report.settled, "{step}: {report:?}");
         for (i, x) in impulses[..3 * vertices].chunks_exact(3).enumerate() {
             let across = x[1].hypot(x[2]);
@@ -206,7 +208,8 @@ fn rows_that_make_no_sense_are_refused_and_change_nothing() {
     let start = [0.0, 0.0, -1.0, 0.0, 0.0, 0.0];
     let mut solve = |rows: &VelocityRows, tolerance: f64, v: &mut [f64]| {
         let mut x = vec![0.0; rows.rows()];
-        solve_rows(rows, &mut mass, tolerance, &mut x, Vector(v)).map(|report| (x, report.settled))
+        let report = RowsSolver::default().solve(rows, &mut mass, tolerance, &mut x, Vector(v));
+        report.map(|report| (x, report.settled))
     };
     let mut v = start;
     assert!(matches!(solve(&rows, f64::NAN, &mut v), Err(ContactError::Settling(_))));

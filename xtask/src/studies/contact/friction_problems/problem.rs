@@ -20,8 +20,8 @@ use nalgebra::Vector3;
 use stationary_calculus::{DiagonalMetric, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
 use stationary_contact::{
-    Collider, ContactError, ContactRows, Detector, InverseMass, RowsReport, Shape, gap_rows,
-    solve_rows,
+    Collider, ContactError, ContactRows, Detector, InverseMass, RowsReport, RowsSolver, Shape,
+    gap_rows,
 };
 use stationary_measure::SplitMix64;
 use stationary_rigid::{Body, BodyMetric, BodyMotion, LieGroup, Poses, RigidMotion, Rotation};
@@ -135,7 +135,7 @@ impl FrictionProblem {
     /// Impulses by the solver of coupled rows, and its report.
     ///
     /// # Errors
-    /// Those of [`solve_rows`].
+    /// Those of [`RowsSolver::solve`].
     pub fn solve(&self, tolerance: f64) -> Result<(Vec<[f64; 3]>, RowsReport), ContactError> {
         let mut rows = VelocityRows::default();
         for (&friction, own) in self.friction.iter().zip(&self.rows) {
@@ -147,7 +147,8 @@ impl FrictionProblem {
         let mut mass = InverseMass::of(&metric)?;
         let mut v = Vector(self.free.clone());
         let mut x = vec![0.0; rows.rows()];
-        let report = solve_rows(&rows, &mut mass, tolerance, &mut x, v.view_mut())?;
+        let mut solver = RowsSolver::default();
+        let report = solver.solve(&rows, &mut mass, tolerance, &mut x, v.view_mut())?;
         Ok((x.as_chunks::<3>().0.to_vec(), report))
     }
 
