@@ -1,6 +1,7 @@
 //! Rows of all laws, joints' and contacts', between things that answer to impulses.
 
 pub(crate) mod response;
+pub(crate) mod reduced_rows;
 pub(crate) mod lemke;
 pub(crate) mod coupled_rows;
 pub(crate) mod equalities;

@@ -22,10 +22,13 @@ use std::ops::Range;
 
 use stationary_constraints::RowLaw;
 
-use crate::coupled::lemke::{Lemke, Scaled};
+use crate::coupled::lemke::Lemke;
+use crate::coupled::reduced_rows::ReducedRows;
 
 /// The most steps of Newton's method. Sets that change still after these go in circles.
 const NEWTONS: usize = 12;
+/// Steps that leave more than half of what those before have left, after which what is enough is rounding.
+const STAYS: usize = 2;
 /// Tries of Newton's method. The compliance that is added to each row, relative to its own: at first far
 /// above the rounding of a factor, so that redundant rows have one, and so small that few steps take off
 /// what it leaves; then less, where masses differ much. And how much of a rate counts as an impulse where
@@ -38,6 +41,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The most rows for which Lemke's pivots are tried: their work grows with the cube as well, and there
 /// are many of them.
 const PIVOTED: usize = 150;
+/// The most pyramids in the place of cones: the friction that one finds turns the next.
+const PYRAMIDS: usize = 6;
 /// Pivots below this are none.
 const PIVOT: f64 = 1e-30;
 /// Sweeps that find the sets before each try of Newton's method, the first and the last: each try
@@ -67,6 +72,9 @@ pub(crate) struct CoupledRows {
     tried: Vec<f64>,
     found: Vec<f64>,
     lemke: Lemke,
+    reduced: ReducedRows,
+    /// The rows of equalities.
+    equal: Vec<usize>,
 }
 
 /// How far the laws are from being met, m/s.
@@ -158,23 +166,69 @@ impl CoupledRows {
         (left, solved)
     }
 
-    /// The same by sets alone: those of the guess, else those that Lemke's pivots find.
+    /// Gives equalities the impulses by which they keep what they ask for beside those of the others: sets are
+    /// judged by rates.
+    fn hold(&mut self, x: &mut [f64]) {
+        let CoupledRows { laws, starts, equal, .. } = self;
+        let blocks = laws.iter().zip(&*starts);
+        equal.clear();
+        equal.extend(blocks.filter(|(law, _)| **law == RowLaw::Equality).map(|(_, row)| row));
+        if equal.is_empty() {
+            return;
+        }
+        self.find_rates(x);
+        let CoupledRows { compliance, scale, rates, matrix, right, equal, .. } = self;
+        let n = x.len();
+        matrix.clear();
+        right.clear();
+        for (own, &row) in equal.iter().enumerate() {
+            let line = matrix.len();
+            matrix
+                .extend(equal.iter().map(|of| compliance[n * row + of] * scale[row] * scale[*of]));
+            matrix[line + own] += TRIES[0].0;
+            right.push(-rates[row] * scale[row]);
+        }
+        if self.eliminate() && self.right.iter().all(|step| step.is_finite()) {
+            for (&row, step) in self.equal.iter().zip(&self.right) {
+                x[row] += self.scale[row] * step;
+            }
+        }
+    }
+
+    /// The same by sets alone: those of the guess, else those that Lemke's pivots find, again and again with
+    /// pyramids whose first edges are along the friction that was found before.
     pub(crate) fn solve_by_sets(&mut self, x: &mut [f64], enough: f64) -> usize {
+        self.hold(x);
         let mut solved = self.newton(x, enough);
-        let left = self.left(x).worst();
-        if left <= enough || self.rows() > PIVOTED {
+        let mut least = self.left(x).worst();
+        let others = self.laws.iter().zip(self.starts.windows(2));
+        let others = others.filter(|(law, _)| **law != RowLaw::Equality);
+        let pivoted: usize = others.map(|(_, rows)| rows[1] - rows[0]).sum();
+        if least <= enough || pivoted == 0 || pivoted > PIVOTED {
             return solved;
         }
         let mut found = std::mem::take(&mut self.found);
         found.clear();
-        found.resize(x.len(), 0.0);
-        let CoupledRows { laws, starts, compliance, free, scale, lemke, .. } = self;
-        let rows = Scaled { laws, starts, compliance, free, scale };
-        if lemke.pivot(rows, &mut found) {
+        found.extend_from_slice(x);
+        for _ in 0..PYRAMIDS {
+            self.find_rates(&found);
+            let CoupledRows { laws, starts, compliance, free, scale, rates, reduced, .. } = self;
+            reduced.find(laws, starts, compliance, free, scale);
+            reduced.turn(&found, rates);
+            if !self.lemke.pivot(reduced) {
+                break;
+            }
+            reduced.put_back(&mut found);
             admit(laws, starts, &mut found);
+            self.hold(&mut found);
             solved += self.newton(&mut found, enough);
-            if self.left(&found).worst() < left {
+            let (left, before) = (self.left(&found).worst(), least);
+            if left < least {
+                least = left;
                 x.copy_from_slice(&found);
+            }
+            if least <= enough || left > 0.5 * before {
+                break;
             }
         }
         self.found = found;
@@ -272,7 +326,7 @@ impl CoupledRows {
         let mut solved = 0;
         for by in TRIES {
             let left;
-            (left, solved) = self.newton_by(by, x, solved);
+            (left, solved) = self.newton_by(by, x, enough, solved);
             if left <= enough {
                 break;
             }
@@ -280,14 +334,20 @@ impl CoupledRows {
         solved
     }
 
-    fn newton_by(&mut self, by: (f64, f64), x: &mut [f64], before: usize) -> (f64, usize) {
+    fn newton_by(
+        &mut self,
+        by: (f64, f64),
+        x: &mut [f64],
+        enough: f64,
+        before: usize,
+    ) -> (f64, usize) {
         let settled = ROUNDING * self.free.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
         let mut least = self.left(x).worst();
         self.best.clear();
         self.best.extend_from_slice(x);
         self.tried.clear();
         self.tried.extend_from_slice(x);
-        let mut solved = before;
+        let (mut solved, mut stays) = (before, 0);
         while solved < before + NEWTONS && least > settled {
             self.assemble(by);
             solved += 1;
@@ -305,9 +365,13 @@ impl CoupledRows {
             let tried = std::mem::take(&mut self.tried);
             let left = self.left(&tried).worst();
             self.tried = tried;
+            stays = if least <= enough && left > 0.5 * least { stays + 1 } else { 0 };
             if left < least {
                 least = left;
                 self.best.copy_from_slice(&self.tried);
+            }
+            if stays == STAYS {
+                break;
             }
         }
         x.copy_from_slice(&self.best);

@@ -3,7 +3,6 @@
 //! ```text
 //! w - Q z - e z_0 = q,    w, z, z_0 >= 0,   w.z = 0         from z_0 large to z_0 = 0
 //! limit     z = x,                  w = u
-//! equality  z = (x+, x-),           w = (u, -u)
 //! bounded   z = (y, s),             w = (u + s, 2 b - y)                     x = y - b
 //! cone      z = (x_n, b_1.., s),    w = (u_n, e_k.u_t + s, mu x_n - sum b_k)   x_t = sum b_k e_k
 //! ```
@@ -16,21 +15,20 @@
 
 use stationary_constraints::RowLaw;
 
+use crate::coupled::reduced_rows::ReducedRows;
+
 /// Pivots, as multiples of the variables, after which it is given up.
 const PIVOTS: usize = 10;
 /// Entries of a unit problem that are no pivots, and ratios that are the same.
 const PIVOT: f64 = 1e-11;
 const SAME: f64 = 1e-13;
+/// The golden ratio less one: its multiples keep apart.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Rows with their compliance (n x n), their rates before any impulse, and the impulse of a unit
-/// compliance of each.
-#[derive(Clone, Copy)]
-pub(crate) struct Scaled<'a> {
-    pub(crate) laws: &'a [RowLaw],
-    pub(crate) starts: &'a [usize],
-    pub(crate) compliance: &'a [f64],
-    pub(crate) free: &'a [f64],
-    pub(crate) scale: &'a [f64],
+/// What the additional variable takes part with in each row, `e`: 1 to 2, and nowhere twice the same. Of corners that
+/// lie on one plane many would block together else, and rounding would choose among them.
+fn cover(place: usize) -> f64 {
+    1.0 + (GOLDEN * (place + 1) as f64).fract()
 }
 
 /// What a variable is.
@@ -54,10 +52,12 @@ pub(crate) struct Lemke {
 
 impl Lemke {
     /// Writes impulses that meet the laws; says whether there were any.
-    pub(crate) fn pivot(&mut self, rows: Scaled, x: &mut [f64]) -> bool {
+    pub(crate) fn pivot(&mut self, rows: &mut ReducedRows) -> bool {
         self.list(rows);
         let largest = self.start(rows);
-        x.fill(0.0);
+        let ReducedRows { laws, starts, free, scale, x, .. } = rows;
+        x.clear();
+        x.resize(free.len(), 0.0);
         let m = self.variables.len();
         if largest > 0.0 && !self.run(m) {
             return false;
@@ -65,11 +65,10 @@ impl Lemke {
         let width = 2 * m + 2;
         for (place, &variable) in self.basis.iter().enumerate() {
             if let Some(&Variable::Impulse(row, sign)) = self.variables.get(variable) {
-                x[row] +=
-                    sign * largest * self.tableau[width * place + width - 1] * rows.scale[row];
+                x[row] += sign * largest * self.tableau[width * place + width - 1] * scale[row];
             }
         }
-        for (law, starts) in rows.laws.iter().zip(rows.starts.windows(2)) {
+        for (law, starts) in laws.iter().zip(starts.windows(2)) {
             if let RowLaw::Bounded(bound) = law {
                 x[starts[0]] -= bound;
             }
@@ -78,14 +77,13 @@ impl Lemke {
     }
 
     /// The variables of each block, the speed last.
-    fn list(&mut self, rows: Scaled) {
+    fn list(&mut self, rows: &ReducedRows) {
         self.variables.clear();
         for (law, starts) in rows.laws.iter().zip(rows.starts.windows(2)) {
             let (first, end) = (starts[0], starts[1]);
             self.variables.push(Variable::Impulse(first, 1.0));
             match law {
-                RowLaw::Limit => {}
-                RowLaw::Equality => self.variables.push(Variable::Impulse(first, -1.0)),
+                RowLaw::Limit | RowLaw::Equality => {}
                 RowLaw::Bounded(_) => self.variables.push(Variable::Sliding),
                 RowLaw::Cone(_) => {
                     for row in first + 1..end {
@@ -99,7 +97,7 @@ impl Lemke {
     }
 
     /// The tableau before any pivot; says what its right side was divided by.
-    fn start(&mut self, rows: Scaled) -> f64 {
+    fn start(&mut self, rows: &ReducedRows) -> f64 {
         let (m, n) = (self.variables.len(), rows.free.len());
         let width = 2 * m + 2;
         self.tableau.clear();
@@ -108,7 +106,7 @@ impl Lemke {
         self.basis.extend(m..2 * m);
         // What bounds, pushed all the way, takes from the rates.
         let shift = |row: usize| -> f64 {
-            let bounded = rows.laws.iter().zip(rows.starts).map(|(law, &of)| match law {
+            let bounded = rows.laws.iter().zip(&rows.starts).map(|(law, &of)| match law {
                 RowLaw::Bounded(bound) => rows.compliance[n * row + of] * bound,
                 _ => 0.0,
             });
@@ -156,7 +154,7 @@ impl Lemke {
         for place in 0..m {
             let line = &mut self.tableau[width * place..][..width];
             line[m + place] = 1.0;
-            line[width - 2] = -1.0;
+            line[width - 2] = -cover(place);
             if largest > 0.0 {
                 line[width - 1] /= largest;
             }
@@ -168,8 +166,8 @@ impl Lemke {
     fn run(&mut self, m: usize) -> bool {
         let width = 2 * m + 2;
         let right = |tableau: &[f64], place: usize| tableau[width * place + width - 1];
-        let lowest =
-            |a: &usize, b: &usize| right(&self.tableau, *a).total_cmp(&right(&self.tableau, *b));
+        let covered = |place: usize| right(&self.tableau, place) / cover(place);
+        let lowest = |a: &usize, b: &usize| covered(*a).total_cmp(&covered(*b));
         let Some(mut leaving) = (0..m).min_by(lowest) else { return true };
         if right(&self.tableau, leaving) >= 0.0 {
             return true;

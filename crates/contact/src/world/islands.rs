@@ -78,7 +78,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let Settled { finest, enough, still, .. } = limits;
         let f = G::FREEDOMS;
         let Memory {
-            v, increment, states, bias, impulses, islands, resting, solver, linked, ..
+            v,
+            increment,
+            states,
+            bias,
+            impulses,
+            islands,
+            resting,
+            solver,
+            linked,
+            with_joints,
+            ..
         } = &mut self.memory;
         for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
             state.velocity.as_mut().copy_from_slice(v);
@@ -103,12 +113,12 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let guessed = Guessed { points: contacts, impulses, bias };
         resting.start(states, radius, &increment.0, guessed);
         solver.start(states.len());
-        let mut jointed: Vec<usize> = Vec::new();
+        with_joints.clear();
         // Where nothing is asked for, no island of a pile gets the work of one that is alone.
         let pile = self.tolerance.is_none() && contacts.len() > LARGE;
         for (members, bodies) in islands.iter() {
             if has_joints(members, contacts.len()) {
-                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
+                with_joints.extend(members.iter().filter(|&&i| i < contacts.len()));
                 continue;
             }
             let guessed = Guessed { points: contacts, impulses, bias };
@@ -194,7 +204,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             report.coulomb = report.coulomb.max(off[1]);
         }
         if self.memory.joints.rows() > 0 {
-            self.rest_jointed(contacts, q, &jointed, finest, report)?;
+            self.rest_jointed(contacts, q, finest, report)?;
         }
         Ok(())
     }

@@ -88,23 +88,23 @@ impl<G: Dimension, P: Potential> World<G, P> {
         Ok(())
     }
 
-    /// Solves the joints, and with them the contacts of these numbers.
+    /// Solves the joints, and with them the contacts that answer to them.
     pub(crate) fn rest_jointed(
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        members: &[usize],
         finest: f64,
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let Memory { joints, joint_impulses, v, before, bias, impulses, jointed, .. } =
-            &mut self.memory;
+        let Memory {
+            joints, joint_impulses, v, before, bias, impulses, with_joints, jointed, ..
+        } = &mut self.memory;
         let JointedMemory { rows, room, x, solver, .. } = jointed;
         rows.clear();
         rows.extend(joints);
         x.clear();
         x.resize(rows.rows(), 0.0);
-        for &i in members {
+        for &i in &*with_joints {
             push_cone(&contacts[i], q, -bias[i], room, rows)?;
             let directions = G::directions(&contacts[i].normal);
             x.extend(directions.as_ref().iter().map(|along| G::dot(&impulses[i], along)));
@@ -136,7 +136,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         joint_impulses.clear();
         joint_impulses.extend(held);
         let mut pushed = pushed.iter();
-        for &i in members {
+        for &i in &*with_joints {
             let directions = G::directions(&contacts[i].normal);
             let along = directions.as_ref().iter().zip(&mut pushed);
             impulses[i] = along.fold(G::Vector::default(), |sum, (along, &x)| sum + *along * x);
@@ -144,17 +144,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         Ok(())
     }
 
-    /// Lifts what overlaps among the contacts of these numbers with joints kept, and remembers what is
+    /// Lifts what overlaps among the contacts that answer to joints with these kept, and remembers what is
     /// left of their gaps.
     pub(crate) fn lift_jointed(
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        members: &[usize],
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { joints, lift_bias, lift, v, jointed, .. } = &mut self.memory;
+        let Memory { joints, lift_bias, lift, v, with_joints, jointed, .. } = &mut self.memory;
         let JointedMemory { rows, left, room, x, motion, solver, .. } = jointed;
         let RowRoom { own, entries } = room;
         left.clear();
@@ -172,7 +171,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             rows.push(law, &[(entries, asked)])?;
         }
         let mut overlaps = false;
-        for &i in members {
+        for &i in &*with_joints {
             own.clear();
             contacts[i].push_row(q, own);
             entries.clear();

@@ -26,15 +26,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { states, lift_bias, lift_least, islands, solver, lift, .. } = &mut self.memory;
+        let Memory { states, lift_bias, lift_least, islands, solver, lift, with_joints, .. } =
+            &mut self.memory;
         let f = G::FREEDOMS;
         // No gap ends below what it was, nor below zero.
         lift_least.clear();
         lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
-        let mut jointed: Vec<usize> = Vec::new();
+        with_joints.clear();
         for (members, bodies) in islands.iter() {
             if has_joints(members, contacts.len()) {
-                jointed.extend(members.iter().filter(|&&i| i < contacts.len()));
+                with_joints.extend(members.iter().filter(|&&i| i < contacts.len()));
                 continue;
             }
             let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
@@ -57,7 +58,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
         }
         if self.memory.joints.rows() > 0 {
-            self.lift_jointed(contacts, q, &jointed, settled, h)?;
+            self.lift_jointed(contacts, q, settled, h)?;
         }
         Ok(())
     }

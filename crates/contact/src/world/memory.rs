@@ -28,6 +28,8 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) joint_impulses: Vec<f64>,
     pub(super) linked: Vec<[usize; 2]>,
     pub(super) jointed: JointedMemory,
+    /// The numbers of the contacts that are solved with joints.
+    pub(super) with_joints: Vec<usize>,
     pub(super) dv: Covector<Vec<f64>>,
     /// How far each body moves in the step, m.
     pub(super) reach: Vec<f64>,
@@ -74,6 +76,7 @@ impl<G: Dimension> Memory<G> {
             joint_impulses: Vec::new(),
             linked: Vec::new(),
             jointed: JointedMemory::default(),
+            with_joints: Vec::new(),
             dv: Covector(vec![0.0; n]),
             reach: Vec::new(),
             passing: Vec::new(),

@@ -101,12 +101,14 @@ fn chains_take_no_memory_once_as_many_contacts_have_been_met() {
     for height in [2.0, 0.1] {
         let half = [0.2, 0.05, 0.05];
         let metric = BodyMetric::<Poses>::new(vec![Body::solid_box(1.0, half).unwrap(); LINKS]);
-        let motions = [0, 1, 2].map(|link| BodyMotion {
-            pose: RigidMotion {
-                translation: Vector3::x() * (0.2 + 0.4 * link as f64),
-                rotation: Rotation::identity(),
-            },
-            ..BodyMotion::default()
+        let at = |x: f64, z: f64| RigidMotion {
+            translation: Vector3::new(x, 0.0, z),
+            rotation: Rotation::identity(),
+        };
+        let motions = [0.2, 0.6, 1.0].map(|x| BodyMotion {
+            pose: at(x, 0.0),
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
         });
         let mut state = metric.state(&motions).unwrap();
         let masses = vec![PointMass { mass: 1.0, point: Vector3::zeros() }; LINKS];
@@ -115,12 +117,8 @@ fn chains_take_no_memory_once_as_many_contacts_have_been_met() {
         let mut colliders: Vec<_> = (0..LINKS)
             .map(|body| Collider::on_body(body, shape.clone()).with_friction(0.5))
             .collect();
-        let floor = RigidMotion {
-            translation: -Vector3::z() * (1.0 + height),
-            rotation: Rotation::identity(),
-        };
         let ground = Shape::cuboid([9.0, 9.0, 1.0]).unwrap();
-        colliders.push(Collider::fixed(floor, ground).with_friction(0.5));
+        colliders.push(Collider::fixed(at(0.0, -1.0 - height), ground).with_friction(0.5));
         let joints: Vec<_> = (0..LINKS)
             .map(|link| {
                 let before = match link.checked_sub(1) {

@@ -1,0 +1,127 @@
+//! Rows that are no equalities, as they answer where equalities keep what they ask for.
+//!
+//! ```text
+//! W_c = W_cc - W_ce W_ee^-1 W_ec,    o_c = o_c - W_ce W_ee^-1 o_e          e equalities, c the others
+//! ```
+//! An equality that depends on those before it takes no part. Of each cone of space the tangents may be turned, so
+//! that a pyramid in its place has an edge where friction is expected.
+
+use stationary_constraints::RowLaw;
+
+/// What is left of a row's own compliance, relative to it, where it depends on those before it.
+const DEPENDENT: f64 = 1e-10;
+
+/// The rows, their compliance (n x n), their rates before any impulse, and the impulse of a unit compliance
+/// of each.
+#[derive(Debug, Default)]
+pub(crate) struct ReducedRows {
+    pub(crate) laws: Vec<RowLaw>,
+    pub(crate) starts: Vec<usize>,
+    pub(crate) compliance: Vec<f64>,
+    pub(crate) free: Vec<f64>,
+    pub(crate) scale: Vec<f64>,
+    /// The number of each row among all.
+    rows: Vec<usize>,
+    /// The first tangents of cones that are turned, and by what cosine and sine.
+    turns: Vec<(usize, [f64; 2])>,
+    /// What is left of the compliance and the rates of all rows, and a row of it.
+    left: Vec<f64>,
+    rates: Vec<f64>,
+    line: Vec<f64>,
+    /// Impulses of these rows.
+    pub(crate) x: Vec<f64>,
+}
+
+impl ReducedRows {
+    /// Reduces rows, as `coupled_rows.rs` has them.
+    pub(crate) fn find(
+        &mut self,
+        laws: &[RowLaw],
+        starts: &[usize],
+        compliance: &[f64],
+        free: &[f64],
+        scale: &[f64],
+    ) {
+        self.turns.clear();
+        self.left.clear();
+        self.left.extend_from_slice(compliance);
+        self.rates.clear();
+        self.rates.extend_from_slice(free);
+        let n = free.len();
+        for (_, &row) in laws.iter().zip(starts).filter(|(law, _)| **law == RowLaw::Equality) {
+            if self.left[n * row + row] > DEPENDENT * compliance[n * row + row] {
+                self.eliminate(row);
+            }
+        }
+        self.laws.clear();
+        self.starts.clear();
+        self.starts.push(0);
+        self.rows.clear();
+        for (law, rows) in laws.iter().zip(starts.windows(2)) {
+            if *law != RowLaw::Equality {
+                self.laws.push(*law);
+                self.rows.extend(rows[0]..rows[1]);
+                self.starts.push(self.rows.len());
+            }
+        }
+        self.compliance.clear();
+        for row in &self.rows {
+            self.compliance.extend(self.rows.iter().map(|of| self.left[n * row + of]));
+        }
+        self.free.clear();
+        self.free.extend(self.rows.iter().map(|&row| self.rates[row]));
+        self.scale.clear();
+        self.scale.extend(self.rows.iter().map(|&row| scale[row]));
+    }
+
+    /// Gives a row the impulse that stops it, whatever those of the others are.
+    fn eliminate(&mut self, row: usize) {
+        let n = self.rates.len();
+        self.line.clear();
+        self.line.extend_from_slice(&self.left[n * row..n * (row + 1)]);
+        let (pivot, rate) = (self.line[row], self.rates[row]);
+        for (other, line) in self.left.chunks_exact_mut(n).enumerate() {
+            let part = line[row] / pivot;
+            if other != row && part != 0.0 {
+                line.iter_mut().zip(&self.line).for_each(|(to, from)| *to -= part * from);
+                self.rates[other] -= part * rate;
+            }
+        }
+    }
+
+    /// Turns the tangents of each cone: the first is along what its impulses and rates (of all rows) want.
+    pub(crate) fn turn(&mut self, x: &[f64], rates: &[f64]) {
+        let ReducedRows { laws, starts, rows, compliance, free, scale, turns, .. } = self;
+        let n = free.len();
+        for (law, block) in laws.iter().zip(starts.windows(2)) {
+            let [a, b] = [block[0] + 1, block[0] + 2];
+            if !matches!(law, RowLaw::Cone(_)) || b >= block[1] {
+                continue;
+            }
+            let own = scale[a] * scale[a];
+            let wanted = [a, b].map(|row| x[rows[row]] - own * rates[rows[row]]);
+            let length = wanted[0].hypot(wanted[1]);
+            if !(length > 0.0 && length.is_finite()) {
+                continue;
+            }
+            let [c, s] = wanted.map(|along| along / length);
+            turns.push((a, [c, s]));
+            let turn = |p: &mut f64, q: &mut f64| (*p, *q) = (c * *p + s * *q, c * *q - s * *p);
+            let (above, below) = compliance.split_at_mut(n * b);
+            above[n * a..].iter_mut().zip(below).for_each(|(p, q)| turn(p, q));
+            for list in compliance.chunks_exact_mut(n).chain([&mut free[..]]) {
+                let (p, q) = list.split_at_mut(b);
+                turn(&mut p[a], &mut q[0]);
+            }
+        }
+    }
+
+    /// Writes the impulses of these rows among those of all.
+    pub(crate) fn put_back(&mut self, all: &mut [f64]) {
+        for &(a, [c, s]) in &self.turns {
+            (self.x[a], self.x[a + 1]) =
+                (c * self.x[a] - s * self.x[a + 1], c * self.x[a + 1] + s * self.x[a]);
+        }
+        self.rows.iter().zip(&self.x).for_each(|(&row, x)| all[row] = *x);
+    }
+}
