@@ -14,7 +14,8 @@
 //! largest eigenvalue of its tangents' block. Each of Newton's steps solves the equations of the sets
 //! that it finds, linearized, by a dense factor of unknowns that are scaled to a unit diagonal. Redundant
 //! rows make `W` singular: a small compliance keeps their impulses where they are, and as what is left
-//! is measured without it, it has no say in what comes out. Coulomb's law has no energy that all of
+//! is measured without it, it has no say in what comes out. Sets are judged where equalities keep what they
+//! ask for; where those of the guess lead nowhere, pivots find others (`lemke.rs`). Coulomb's law has no energy that all of
 //! this would lower, so that nothing is taken on trust: only impulses that leave less than those before
 //! are kept. Source: Alart and Curnier 1991; Kaufman, Sueda, James and Pai 2008 (the sweeps).
 
@@ -33,9 +34,11 @@ const STAYS: usize = 2;
 /// above the rounding of a factor, so that redundant rows have one, and so small that few steps take off
 /// what it leaves; then less, where masses differ much. And how much of a rate counts as an impulse where
 /// sets are judged, relative to one over the row's own compliance.
-const TRIES: [(f64, f64); 3] = [(1e-10, 1.0), (1e-13, 1.0), (1e-15, 0.1)];
+const TRIES: [[f64; 3]; 3] = [[1e-10, 1.0, 1.0], [1e-13, 1.0, 1.0], [1e-15, 0.1, 0.1]];
 /// The same of a refinement: as little compliance as leaves redundant rows a factor.
-const REFINING: (f64, f64) = (1e-13, 1.0);
+const REFINING: [f64; 3] = [1e-13, 1.0, 1.0];
+/// The same where what pushes is known, and nothing else is to.
+const HELD: [f64; 3] = [1e-13, 0.0, 1.0];
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The most rows for which Lemke's pivots are tried: their work grows with the cube as well, and there
@@ -185,7 +188,7 @@ impl CoupledRows {
             let line = matrix.len();
             matrix
                 .extend(equal.iter().map(|of| compliance[n * row + of] * scale[row] * scale[*of]));
-            matrix[line + own] += TRIES[0].0;
+            matrix[line + own] += TRIES[0][0];
             right.push(-rates[row] * scale[row]);
         }
         if self.eliminate() && self.right.iter().all(|step| step.is_finite()) {
@@ -195,17 +198,28 @@ impl CoupledRows {
         }
     }
 
-    /// The same by sets alone: those of the guess, else those that Lemke's pivots find, again and again with
-    /// pyramids whose first edges are along the friction that was found before.
+    /// The same by sets alone: those of the guess, else those that pivots find.
     pub(crate) fn solve_by_sets(&mut self, x: &mut [f64], enough: f64) -> usize {
         self.hold(x);
-        let mut solved = self.newton(x, enough);
-        let mut least = self.left(x).worst();
-        let others = self.laws.iter().zip(self.starts.windows(2));
-        let others = others.filter(|(law, _)| **law != RowLaw::Equality);
-        let pivoted: usize = others.map(|(_, rows)| rows[1] - rows[0]).sum();
-        if least <= enough || pivoted == 0 || pivoted > PIVOTED {
-            return solved;
+        let (mut least, mut solved) = self.newton_by(TRIES[0], x, enough, 0);
+        if least > enough {
+            (least, solved) = self.pivot(x, enough, solved);
+        }
+        for by in &TRIES[1..] {
+            if least > enough {
+                (least, solved) = self.newton_by(*by, x, enough, solved);
+            }
+        }
+        solved
+    }
+
+    /// The same by sets that Lemke's pivots find, again and again: the first edges of each pyramid are along the
+    /// friction that the one before has found. Says what is left.
+    fn pivot(&mut self, x: &mut [f64], enough: f64, before: usize) -> (f64, usize) {
+        let (mut least, mut solved) = (self.left(x).worst(), before);
+        let others = self.rows() - self.equal.len();
+        if others == 0 || others > PIVOTED {
+            return (least, solved);
         }
         let mut found = std::mem::take(&mut self.found);
         found.clear();
@@ -221,18 +235,23 @@ impl CoupledRows {
             reduced.put_back(&mut found);
             admit(laws, starts, &mut found);
             self.hold(&mut found);
-            solved += self.newton(&mut found, enough);
-            let (left, before) = (self.left(&found).worst(), least);
+            let mut left;
+            (left, solved) = self.newton_by(HELD, &mut found, enough, solved);
+            if left > enough {
+                solved += self.newton(&mut found, enough);
+                left = self.left(&found).worst();
+            }
+            let last = left <= enough || left > 0.5 * least;
             if left < least {
                 least = left;
                 x.copy_from_slice(&found);
             }
-            if least <= enough || left > 0.5 * before {
+            if last {
                 break;
             }
         }
         self.found = found;
-        solved
+        (least, solved)
     }
 
     /// How far these impulses are from meeting the laws.
@@ -336,7 +355,7 @@ impl CoupledRows {
 
     fn newton_by(
         &mut self,
-        by: (f64, f64),
+        by: [f64; 3],
         x: &mut [f64],
         enough: f64,
         before: usize,
@@ -400,7 +419,7 @@ impl CoupledRows {
     }
 
     /// The equations of the sets at the impulses that are tried, in scaled impulses and rates.
-    fn assemble(&mut self, (softness, firmness): (f64, f64)) {
+    fn assemble(&mut self, [softness, pushing, firmness]: [f64; 3]) {
         let CoupledRows {
             laws, starts, compliance, own, scale, rates, matrix, right, tried, ..
         } = self;
@@ -417,7 +436,8 @@ impl CoupledRows {
                 matrix[n * row + row] = 1.0;
                 right[row] = to - y(row);
             };
-            let wanted = y(first) - firmness * u(first);
+            let along = if matches!(law, RowLaw::Bounded(_)) { firmness } else { pushing };
+            let wanted = y(first) - along * u(first);
             let mut stops = first..end;
             match law {
                 RowLaw::Equality => {}

@@ -22,6 +22,8 @@ const PIVOTS: usize = 10;
 /// Entries of a unit problem that are no pivots, and ratios that are the same.
 const PIVOT: f64 = 1e-11;
 const SAME: f64 = 1e-13;
+/// What may be left of the additional variable, of a right side of 1.
+const NEARLY: f64 = 1e-10;
 /// The golden ratio less one: its multiples keep apart.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -83,7 +85,8 @@ impl Lemke {
             let (first, end) = (starts[0], starts[1]);
             self.variables.push(Variable::Impulse(first, 1.0));
             match law {
-                RowLaw::Limit | RowLaw::Equality => {}
+                // What does not rub has no friction to choose.
+                RowLaw::Limit | RowLaw::Equality | RowLaw::Cone(0.0) => {}
                 RowLaw::Bounded(_) => self.variables.push(Variable::Sliding),
                 RowLaw::Cone(_) => {
                     for row in first + 1..end {
@@ -130,7 +133,7 @@ impl Lemke {
                 place += 1;
             }
             match law {
-                RowLaw::Limit | RowLaw::Equality => {}
+                RowLaw::Limit | RowLaw::Equality | RowLaw::Cone(0.0) => {}
                 RowLaw::Bounded(bound) => {
                     self.tableau[width * begins + place] = -1.0;
                     self.tableau[width * place + begins] = 1.0;
@@ -192,7 +195,11 @@ impl Lemke {
             };
             match blocks.max_by(|a, b| weight(a).total_cmp(&weight(b))) {
                 Some(place) => leaving = place,
-                None => return false,
+                // What is left may be the rounding of ties.
+                None => {
+                    let additional = self.basis.iter().position(|&variable| variable == 2 * m);
+                    return additional.is_none_or(|place| right(&self.tableau, place) <= NEARLY);
+                }
             }
         }
         false

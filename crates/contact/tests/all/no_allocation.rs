@@ -4,14 +4,12 @@ use allocation_counter::measure;
 use nalgebra::Vector3;
 use stationary_contact::problems::{Boxes, columns_of_boxes, falling_boxes};
 use stationary_contact::{
-    Collider, Detector, ErrorControlled, EventDriven, FlightOrder, Kept, Shape, Spatial,
-    SpatialWorld,
+    Collider, Detector, ErrorControlled, EventDriven, FlightOrder, Shape, Spatial, SpatialWorld,
 };
 use stationary_integrators::State;
-use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, Joint, JointEnd, JointKind, LieGroup, PointMass, Poses,
-    RigidMotion, Rotation, Weight,
-};
+use stationary_rigid::{LieGroup, RigidMotion, Rotation};
+
+use crate::jointed_space::hung_chain;
 
 /// Boxes on a floor that is a box: the geometry library makes a list for each box on a half-space.
 fn detector(count: usize) -> Detector {
@@ -97,49 +95,14 @@ fn chosen_steps_of_boxes_that_land_take_no_memory_once_as_many_were_taken() {
 /// the places of its joints is kept, and rows of joints and contacts have their room.
 #[test]
 fn chains_take_no_memory_once_as_many_contacts_have_been_met() {
-    const LINKS: usize = 3;
-    for height in [2.0, 0.1] {
-        let half = [0.2, 0.05, 0.05];
-        let metric = BodyMetric::<Poses>::new(vec![Body::solid_box(1.0, half).unwrap(); LINKS]);
-        let at = |x: f64, z: f64| RigidMotion {
-            translation: Vector3::new(x, 0.0, z),
-            rotation: Rotation::identity(),
-        };
-        let motions = [0.2, 0.6, 1.0].map(|x| BodyMotion {
-            pose: at(x, 0.0),
-            velocity: Vector3::zeros(),
-            angular_velocity: Vector3::zeros(),
-        });
-        let mut state = metric.state(&motions).unwrap();
-        let masses = vec![PointMass { mass: 1.0, point: Vector3::zeros() }; LINKS];
-        let weight = Weight { gravity: -9.81 * Vector3::z(), masses, space: Poses };
-        let shape = Shape::cuboid([0.15, 0.05, 0.05]).unwrap();
-        let mut colliders: Vec<_> = (0..LINKS)
-            .map(|body| Collider::on_body(body, shape.clone()).with_friction(0.5))
-            .collect();
-        let ground = Shape::cuboid([9.0, 9.0, 1.0]).unwrap();
-        colliders.push(Collider::fixed(at(0.0, -1.0 - height), ground).with_friction(0.5));
-        let joints: Vec<_> = (0..LINKS)
-            .map(|link| {
-                let before = match link.checked_sub(1) {
-                    None => JointEnd::world(Vector3::zeros()),
-                    Some(before) => JointEnd::on(before, Vector3::x() * 0.2),
-                };
-                let ends = [before, JointEnd::on(link, Vector3::x() * -0.2)];
-                Joint::new(Poses, LINKS, JointKind::Ball, ends).unwrap()
-            })
-            .collect();
-        let detector = Detector::new(colliders, LINKS).unwrap();
-        let mut world = SpatialWorld::new(metric.under(weight).unwrap(), detector).unwrap();
-        let mut contacts = 0;
+    for above in [2.0, 0.1] {
+        let (mut chain, mut contacts) = (hung_chain(3, above), 0);
         let mut run = |steps: usize| {
-            for _ in 0..steps {
-                contacts = world.step_with(&mut state, 2e-3, &Kept(&joints)).unwrap().contacts;
-            }
+            (0..steps).for_each(|_| contacts = chain.step(2e-3).contacts);
         };
         run(400);
         let used = measure(|| run(20)).count_total;
-        assert_eq!((used, contacts > 0), (0, height < 1.0), "{contacts}");
+        assert_eq!((used, contacts > 0), (0, above < 1.0), "{contacts}");
     }
 }
 

@@ -7,6 +7,7 @@ mod exact;
 mod gaps;
 mod hull;
 mod hulls;
+mod jointed;
 mod judged;
 mod mesh_points;
 mod planar;
@@ -29,6 +30,7 @@ pub const KINDS: &[Kind] = &[
     scenes::PLANAR,
     scenes::SPATIAL,
     scenes::ROLLING,
+    jointed::KIND,
     points::KIND,
     planar_points::KIND,
     mesh_points::KIND,
