@@ -1,4 +1,4 @@
-//! Contact beside rapier, Box2D, Box3D, MuJoCo and drake: four problems, detection alone, and error against time of
+//! Contact beside rapier, Box2D, Box3D, MuJoCo and drake: five problems, detection alone, and error against time of
 //! five scenes in one run, steps in turn.
 //!
 //! `cargo run --manifest-path benches/contact/Cargo.toml`; with `PYTHON` the name of an interpreter
@@ -10,6 +10,7 @@
 mod box2d;
 mod box3d;
 mod cenic;
+mod chains;
 mod detection;
 mod mujoco;
 mod quality;
@@ -85,6 +86,9 @@ fn main() {
     }
     if asked("wall") {
         print("a wall of 1,000 bricks in the plane, struck, 2 s", &wall::struck(40, 25, 2.0));
+    }
+    if asked("chains") {
+        chains::print(100, 5, 2.0);
     }
     if asked("detection") {
         detection::print(1_000);

@@ -37,7 +37,7 @@ pub fn rapier(starts: &[RigidMotion], can_sleep: bool) -> (PhysicsWorld, Vec<Rig
 }
 
 /// Poses and velocities of rapier's bodies as ours are.
-fn states(world: &PhysicsWorld, handles: &[RigidBodyHandle]) -> (Vec<f64>, Vec<f64>) {
+pub fn states(world: &PhysicsWorld, handles: &[RigidBodyHandle]) -> (Vec<f64>, Vec<f64>) {
     let (mut q, mut v) = (Vec::new(), Vec::new());
     for handle in handles {
         let body = &world.bodies[*handle];

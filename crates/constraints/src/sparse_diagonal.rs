@@ -342,13 +342,18 @@ mod tests {
 
     type Prepared = Result<DiagonalMultipliers, ConstraintError>;
 
-    /// The solver of the equations `A q = 0` under these masses, prepared.
-    fn prepared(a: &DMatrix<f64>, mass: &[f64], redundancy: Redundancy) -> Prepared {
+    /// The equations `A q = 0`.
+    fn lines(a: &DMatrix<f64>) -> Result<Linear, ConstraintError> {
         let rows = a.row_iter().map(|row| {
             let entries = row.iter().copied().enumerate().filter(|entry| entry.1 != 0.0);
             (entries.collect(), 0.0)
         });
-        let lines = Linear::new(rows.collect())?;
+        Linear::new(rows.collect())
+    }
+
+    /// Their solver under these masses, prepared.
+    fn prepared(a: &DMatrix<f64>, mass: &[f64], redundancy: Redundancy) -> Prepared {
+        let lines = lines(a)?;
         let metric = DiagonalMetric::new(mass.to_vec()).unwrap();
         let (choice, q) = (SparseDiagonal(redundancy), vec![0.0; mass.len()]);
         let mut solver = Solver::<Vec<f64>>::analyse(&choice, &metric, &lines, 0.0, &q)?;
@@ -465,6 +470,36 @@ mod tests {
             assert!(off <= 1e-8 * exact.amax(), "case {case}: {off:e} of {:e}", exact.amax());
         }
         assert!(judged > 150 && redundant > 50, "{judged} {redundant}");
+    }
+
+    #[test]
+    fn what_is_renewed_solves_to_the_bit_as_what_is_analysed_anew() {
+        let mut noise = SplitMix64::new(17);
+        for case in 0..50 {
+            let (first, mass) = random(&mut noise, 100.0);
+            let (mut other, other_mass) = (first.clone(), random(&mut noise, 100.0).1);
+            other.apply(|entry| *entry *= 1.0 + 0.3 * noise.symmetric());
+            let masses: Vec<f64> =
+                mass.iter().zip(other_mass.iter().cycle()).map(|m| *m.1).collect();
+            let mut known = prepared(&first, &mass, Redundancy::LeastNorm).unwrap();
+            let mut fresh = prepared(&other, &masses, Redundancy::LeastNorm).unwrap();
+            let q = vec![0.0; mass.len()];
+            known.renew(&masses, &lines(&other).unwrap(), 0.0, &q).unwrap();
+            let mut x: Vec<f64> = (0..other.nrows()).map(|_| noise.symmetric()).collect();
+            let mut expected = x.clone();
+            known.solve(&mut x).unwrap();
+            fresh.solve(&mut expected).unwrap();
+            assert_eq!(x, expected, "{case}");
+            // Entries in other places, and another number of masses or equations.
+            let zero = other.iter().position(|entry| *entry == 0.0).unwrap();
+            other[zero] = 1.0;
+            let moved = known.renew(&masses, &lines(&other).unwrap(), 0.0, &q);
+            assert!(matches!(moved, Err(ConstraintError::PatternChanged { .. })), "{case}");
+            let fewer = lines(&other.rows(1, other.nrows() - 1).into_owned()).unwrap();
+            assert!(known.renew(&masses, &fewer, 0.0, &q).is_err());
+            assert!(known.renew(&masses[1..], &fewer, 0.0, &q).is_err());
+            assert_eq!(known.solve(&mut x), Err(ConstraintError::NotPrepared));
+        }
     }
 
     #[test]

@@ -318,6 +318,32 @@ mod tests {
     }
 
     #[test]
+    fn rows_behind_others_stay_what_they_are() {
+        let mut first = VelocityRows::default();
+        first.push(RowLaw::Limit, &[(&[(3, 2.0)], -0.5)]).unwrap();
+        let rods = Rods::new(2, Vec::<[f64; 2]>::new(), vec![Rod::new([0, 1], 1.0)]).unwrap();
+        let q = [0.0, 0.0, 3.0, 4.0];
+        first.push_closing(&rods, 0.0, &q).unwrap();
+        let mut value = [0.0];
+        rods.value(0.0, &q, &mut value).unwrap();
+        assert_eq!(first.asked(1), -value[0]);
+        assert!(first.push_closing(&rods, 0.0, &[0.0, f64::NAN, 3.0, 4.0]).is_err());
+        let mut both = VelocityRows::default();
+        both.push(RowLaw::Cone(0.5), &[(&[(0, 1.0)], 0.1), (&[(1, 1.0), (2, -1.0)], 0.0)]).unwrap();
+        let before = both.clone();
+        both.extend(&first);
+        assert_eq!((both.rows(), both.blocks().count()), (4, 3));
+        for row in 0..2 {
+            assert!(both.row(row).eq(before.row(row)) && both.asked(row) == before.asked(row));
+            assert!(
+                both.row(2 + row).eq(first.row(row)) && both.asked(2 + row) == first.asked(row)
+            );
+        }
+        let laws: Vec<_> = both.blocks().collect();
+        assert_eq!(laws[1..], [(RowLaw::Limit, 2..3), (RowLaw::Equality, 3..4)]);
+    }
+
+    #[test]
     fn a_constraint_is_a_list_of_equalities() {
         let rods = vec![Rod::new([2, 0], 1.0), Rod::new([0, 1], 2.0)];
         let rods = Rods::new(2, vec![[0.0; 2]], rods).unwrap();

@@ -19,25 +19,28 @@ const NONLINEAR_MOTION: f64 = 0.1;
 impl<G: Dimension, P: Potential> World<G, P> {
     /// How far each body moves in a step.
     pub(super) fn find_reach(&mut self, h: f64) {
-        let Memory { start, increment, reach, .. } = &mut self.memory;
+        let Memory { start, increment, reach, joints, .. } = &mut self.memory;
         let f = G::FREEDOMS;
+        // Joints take bodies farther even where nothing hits.
+        let margin = if joints.rows() > 0 { MISSED } else { SPECULATIVE_MARGIN };
         let bodies = start.0.chunks_exact(f).zip(increment.0.chunks_exact(f)).enumerate();
         reach.clear();
         reach.extend(bodies.map(|(body, (v, increment))| {
             let radius = self.detector.radius_of(body);
             let speeds = speed::<G>(v, radius) + speed::<G>(increment, radius);
-            h * speeds + SPECULATIVE_MARGIN * radius
+            h * speeds + margin * radius
         }));
     }
 
     /// Widens the reach of what has become much faster; says whether there is any.
     pub(super) fn widen_reach(&mut self, h: f64) -> bool {
-        let Memory { v, reach, .. } = &mut self.memory;
+        let Memory { v, reach, joints, .. } = &mut self.memory;
+        let missed = if joints.rows() > 0 { 0.0 } else { MISSED };
         let mut widened = false;
         for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach).enumerate() {
             let radius = self.detector.radius_of(body);
             let way = h * speed::<G>(v, radius);
-            if way > *reach + MISSED * radius {
+            if way > *reach + missed * radius {
                 *reach = 1.5 * way;
                 widened = true;
             }
