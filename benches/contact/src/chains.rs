@@ -80,8 +80,7 @@ fn rapier(chains: usize, links: usize, reduced: bool) -> (PhysicsWorld, Vec<Rigi
     world.integration_parameters.dt = STEP;
     let floor =
         ColliderBuilder::cuboid(1000.0, 1000.0, 1.0).translation(Vector::Z * (-1.0 - BELOW));
-    let (ground, _) = world.insert(RigidBodyBuilder::fixed(), floor.friction(FRICTION));
-    // The moments of the solid box, as ours.
+    world.insert(RigidBodyBuilder::fixed(), floor.friction(FRICTION));
     let insert = |place: Vector3<f64>| {
         let body = RigidBodyBuilder::dynamic()
             .translation(Vector::new(place.x, place.y, place.z))
@@ -92,7 +91,12 @@ fn rapier(chains: usize, links: usize, reduced: bool) -> (PhysicsWorld, Vec<Rigi
     let handles: Vec<RigidBodyHandle> = starts(chains, links).map(insert).collect();
     for (i, place) in starts(chains, links).enumerate() {
         let (before, anchor) = match i % links {
-            0 => (ground, Vector::new(place.x - REACH, place.y, place.z)),
+            // Of its own, as what hangs together is one system of coordinates.
+            0 => {
+                let from = Vector::new(place.x - REACH, place.y, place.z);
+                let anchor = RigidBodyBuilder::fixed().translation(from);
+                (world.insert_body(anchor), Vector::ZERO)
+            }
             _ => (handles[i - 1], Vector::X * REACH),
         };
         let joint = SphericalJointBuilder::new().local_anchor1(anchor);

@@ -15,9 +15,10 @@
 //! that it finds, linearized, by a dense factor of unknowns that are scaled to a unit diagonal. Redundant
 //! rows make `W` singular: a small compliance keeps their impulses where they are, and as what is left
 //! is measured without it, it has no say in what comes out. Sets are judged where equalities keep what they
-//! ask for; where those of the guess lead nowhere, pivots find others (`lemke.rs`). Coulomb's law has no energy that all of
-//! this would lower, so that nothing is taken on trust: only impulses that leave less than those before
-//! are kept. Source: Alart and Curnier 1991; Kaufman, Sueda, James and Pai 2008 (the sweeps).
+//! ask for; where those of the guess lead nowhere, pivots find others (`lemke.rs`). Coulomb's law has no
+//! energy that all of this would lower, so that nothing is taken on trust: only impulses that leave less
+//! than those before are kept. Source: Alart and Curnier 1991; Kaufman, Sueda, James and Pai 2008 (the
+//! sweeps).
 
 use std::ops::Range;
 
@@ -33,11 +34,11 @@ const STAYS: usize = 2;
 /// Tries of Newton's method. The compliance that is added to each row, relative to its own: at first far
 /// above the rounding of a factor, so that redundant rows have one, and so small that few steps take off
 /// what it leaves; then less, where masses differ much. And how much of a rate counts as an impulse where
-/// sets are judged, relative to one over the row's own compliance.
+/// it is judged what pushes, and what rubs, relative to one over the row's own compliance.
 const TRIES: [[f64; 3]; 3] = [[1e-10, 1.0, 1.0], [1e-13, 1.0, 1.0], [1e-15, 0.1, 0.1]];
 /// The same of a refinement: as little compliance as leaves redundant rows a factor.
 const REFINING: [f64; 3] = [1e-13, 1.0, 1.0];
-/// The same where what pushes is known, and nothing else is to.
+/// The same where pivots have found what pushes, and no more than that is to push.
 const HELD: [f64; 3] = [1e-13, 0.0, 1.0];
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;

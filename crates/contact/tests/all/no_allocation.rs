@@ -91,8 +91,8 @@ fn chosen_steps_of_boxes_that_land_take_no_memory_once_as_many_were_taken() {
     assert!(used <= 1 && steps > 100, "{used} {steps}");
 }
 
-/// A chain of three boxes that hangs from a corner of the world, in the air and lying on the floor: what was found about
-/// the places of its joints is kept, and rows of joints and contacts have their room.
+/// A chain of three boxes that is hung from the world, in the air and lying on the floor: what was found about the
+/// places of its joints is kept, and rows of joints and contacts have their room.
 #[test]
 fn chains_take_no_memory_once_as_many_contacts_have_been_met() {
     for above in [2.0, 0.1] {
