@@ -390,7 +390,8 @@ impl CoupledRows {
                 least = left;
                 self.best.copy_from_slice(&self.tried);
             }
-            if stays == STAYS {
+            // Without joints all of the steps are taken: what stops comes to rest.
+            if stays == STAYS && !self.equal.is_empty() {
                 break;
             }
         }

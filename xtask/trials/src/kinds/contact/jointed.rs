@@ -28,7 +28,7 @@ pub(super) const KIND: Kind = Kind {
            third order of the turn of a step; energy above what lifting gave, by the same; an impulse that pulls or \
            is out of its cone by more than reported; a joint open by 1e-9; a corner deeper in the floor than before, \
            turning and the residual allow. A step that is not settled is refused",
-    in_tests: 30,
+    in_tests: 50,
     trial,
 };
 
