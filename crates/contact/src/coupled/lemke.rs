@@ -46,10 +46,12 @@ enum Variable {
 #[derive(Debug, Default)]
 pub(crate) struct Lemke {
     variables: Vec<Variable>,
-    /// Rows of m + (z, w, z_0, right side).
+    /// A row of each variable in the basis: a column of each of those outside, which are `outside`, and the right side.
     tableau: Vec<f64>,
     pivot: Vec<f64>,
+    /// Variables by number: m of z, as many of w, z_0.
     basis: Vec<usize>,
+    outside: Vec<usize>,
 }
 
 impl Lemke {
@@ -64,7 +66,7 @@ impl Lemke {
         if largest > 0.0 && !self.run(m) {
             return false;
         }
-        let width = 2 * m + 2;
+        let width = m + 2;
         for (place, &variable) in self.basis.iter().enumerate() {
             if let Some(&Variable::Impulse(row, sign)) = self.variables.get(variable) {
                 x[row] += sign * largest * self.tableau[width * place + width - 1] * scale[row];
@@ -102,11 +104,13 @@ impl Lemke {
     /// The tableau before any pivot; says what its right side was divided by.
     fn start(&mut self, rows: &ReducedRows) -> f64 {
         let (m, n) = (self.variables.len(), rows.free.len());
-        let width = 2 * m + 2;
+        let width = m + 2;
         self.tableau.clear();
         self.tableau.resize(m * width, 0.0);
         self.basis.clear();
         self.basis.extend(m..2 * m);
+        self.outside.clear();
+        self.outside.extend((0..m).chain([2 * m]));
         // What bounds, pushed all the way, takes from the rates.
         let shift = |row: usize| -> f64 {
             let bounded = rows.laws.iter().zip(&rows.starts).map(|(law, &of)| match law {
@@ -156,8 +160,7 @@ impl Lemke {
         let largest = (0..m).map(|place| right(place).abs()).fold(0.0, f64::max);
         for place in 0..m {
             let line = &mut self.tableau[width * place..][..width];
-            line[m + place] = 1.0;
-            line[width - 2] = -cover(place);
+            line[m] = -cover(place);
             if largest > 0.0 {
                 line[width - 1] /= largest;
             }
@@ -167,7 +170,7 @@ impl Lemke {
 
     /// Pivots until the additional variable has left; says whether it did.
     fn run(&mut self, m: usize) -> bool {
-        let width = 2 * m + 2;
+        let (width, additional) = (m + 2, 2 * m);
         let right = |tableau: &[f64], place: usize| tableau[width * place + width - 1];
         let covered = |place: usize| right(&self.tableau, place) / cover(place);
         let lowest = |a: &usize, b: &usize| covered(*a).total_cmp(&covered(*b));
@@ -175,21 +178,23 @@ impl Lemke {
         if right(&self.tableau, leaving) >= 0.0 {
             return true;
         }
-        let mut entering = 2 * m;
+        let mut entering = m;
         for _ in 0..PIVOTS * m {
             self.exchange(leaving, entering, width);
-            let left = std::mem::replace(&mut self.basis[leaving], entering);
-            if left == 2 * m {
+            let left = self.outside[entering];
+            if left == additional {
                 return true;
             }
-            entering = if left < m { left + m } else { left - m };
+            let partner = if left < m { left + m } else { left - m };
+            let Some(column) = self.outside.iter().position(|of| *of == partner) else { break };
+            entering = column;
             let entry = |place: usize| self.tableau[width * place + entering];
             let ratio = |place: usize| right(&self.tableau, place) / entry(place);
             let open = |place: &usize| entry(*place) > PIVOT;
             let least = (0..m).filter(open).map(ratio).fold(f64::INFINITY, f64::min);
             // Of those that block together the additional variable, else the largest pivot.
             let blocks = (0..m).filter(open).filter(|&place| ratio(place) <= least + SAME);
-            let weight = |place: &usize| match self.basis[*place] == 2 * m {
+            let weight = |place: &usize| match self.basis[*place] == additional {
                 true => f64::INFINITY,
                 false => entry(*place),
             };
@@ -197,23 +202,26 @@ impl Lemke {
                 Some(place) => leaving = place,
                 // What is left may be the rounding of ties.
                 None => {
-                    let additional = self.basis.iter().position(|&variable| variable == 2 * m);
-                    return additional.is_none_or(|place| right(&self.tableau, place) <= NEARLY);
+                    let last = self.basis.iter().position(|&variable| variable == additional);
+                    return last.is_none_or(|place| right(&self.tableau, place) <= NEARLY);
                 }
             }
         }
         false
     }
 
+    /// Takes the variable of a column into the basis, in the place of that of a row.
     fn exchange(&mut self, leaving: usize, entering: usize, width: usize) {
+        std::mem::swap(&mut self.basis[leaving], &mut self.outside[entering]);
         let line = &mut self.tableau[width * leaving..][..width];
-        let pivot = line[entering];
+        let pivot = std::mem::replace(&mut line[entering], 1.0);
         line.iter_mut().for_each(|entry| *entry /= pivot);
         self.pivot.clear();
         self.pivot.extend_from_slice(line);
         for (place, line) in self.tableau.chunks_exact_mut(width).enumerate() {
             let part = line[entering];
             if place != leaving && part != 0.0 {
+                line[entering] = 0.0;
                 line.iter_mut().zip(&self.pivot).for_each(|(entry, pivot)| *entry -= part * pivot);
             }
         }

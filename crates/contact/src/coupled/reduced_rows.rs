@@ -8,6 +8,8 @@
 
 use stationary_constraints::RowLaw;
 
+use crate::coupled::row_laws::RowLaws;
+
 /// What is left of a row's own compliance, relative to it, where it depends on those before it.
 const DEPENDENT: f64 = 1e-10;
 
@@ -33,36 +35,28 @@ pub(crate) struct ReducedRows {
 }
 
 impl ReducedRows {
-    /// Reduces rows, as `coupled_rows.rs` has them.
-    pub(crate) fn find(
-        &mut self,
-        laws: &[RowLaw],
-        starts: &[usize],
-        compliance: &[f64],
-        free: &[f64],
-        scale: &[f64],
-    ) {
+    /// Reduces rows.
+    pub(crate) fn find(&mut self, all: &RowLaws) {
         self.turns.clear();
         self.left.clear();
-        self.left.extend_from_slice(compliance);
+        self.left.extend_from_slice(&all.compliance);
         self.rates.clear();
-        self.rates.extend_from_slice(free);
-        let n = free.len();
-        for (_, &row) in laws.iter().zip(starts).filter(|(law, _)| **law == RowLaw::Equality) {
-            if self.left[n * row + row] > DEPENDENT * compliance[n * row + row] {
-                self.eliminate(row);
+        self.rates.extend_from_slice(&all.free);
+        let n = all.rows();
+        for (_, block) in all.blocks().filter(|(law, _)| *law == RowLaw::Equality) {
+            let own = n * block.start + block.start;
+            if self.left[own] > DEPENDENT * all.compliance[own] {
+                self.eliminate(block.start);
             }
         }
         self.laws.clear();
         self.starts.clear();
         self.starts.push(0);
         self.rows.clear();
-        for (law, rows) in laws.iter().zip(starts.windows(2)) {
-            if *law != RowLaw::Equality {
-                self.laws.push(*law);
-                self.rows.extend(rows[0]..rows[1]);
-                self.starts.push(self.rows.len());
-            }
+        for (law, block) in all.blocks().filter(|(law, _)| *law != RowLaw::Equality) {
+            self.laws.push(law);
+            self.rows.extend(block);
+            self.starts.push(self.rows.len());
         }
         self.compliance.clear();
         for row in &self.rows {
@@ -71,7 +65,7 @@ impl ReducedRows {
         self.free.clear();
         self.free.extend(self.rows.iter().map(|&row| self.rates[row]));
         self.scale.clear();
-        self.scale.extend(self.rows.iter().map(|&row| scale[row]));
+        self.scale.extend(self.rows.iter().map(|&row| all.scale[row]));
     }
 
     /// Gives a row the impulse that stops it, whatever those of the others are.

@@ -63,6 +63,8 @@ pub struct RowsSolver {
     /// Rows that were solved as equalities alone.
     held: Vec<usize>,
     found: Vec<f64>,
+    /// The first and the last freedom of each row of an island.
+    reaches: Vec<[usize; 2]>,
     change: Vec<f64>,
 }
 
@@ -97,7 +99,17 @@ impl RowsSolver {
         let diagonal = response.inverse_masses(&mut self.inverse_masses);
         let mut report = RowsReport { settled: true, ..RowsReport::default() };
         let RowsSolver {
-            lifted, islands, coupled, equalities, own, x, held, found, change, ..
+            lifted,
+            islands,
+            coupled,
+            equalities,
+            own,
+            x,
+            held,
+            found,
+            reaches,
+            change,
+            ..
         } = self;
         let inverse_masses = diagonal.then_some(&self.inverse_masses[..]);
         held.clear();
@@ -137,13 +149,20 @@ impl RowsSolver {
                 let lacks = block.rows.clone().map(|row| rows.lack(row, Vector(&*v.0)));
                 coupled.push(block.law, lacks);
             }
-            let mut last = None;
-            coupled.couple(|i, j| {
-                if last.replace(i) != Some(i) {
-                    change.fill(0.0);
-                    lifted.row(own[i]).for_each(|(freedom, value)| change[freedom] += value);
+            let reach = |freedoms: &mut dyn Iterator<Item = (usize, f64)>| {
+                freedoms.fold([usize::MAX, 0], |[low, high], (f, _)| [low.min(f), high.max(f)])
+            };
+            reaches.clear();
+            reaches.extend(own.iter().map(|&row| reach(&mut rows.row(row))));
+            coupled.couple(|i, compliances| {
+                lifted.row(own[i]).for_each(|(freedom, value)| change[freedom] += value);
+                let [low, high] = reach(&mut lifted.row(own[i]));
+                for ((&row, of), w) in own[i..].iter().zip(&reaches[i..]).zip(compliances) {
+                    if of[0] <= high && of[1] >= low {
+                        *w = rows.row(row).map(|(freedom, value)| value * change[freedom]).sum();
+                    }
                 }
-                rows.row(own[j]).map(|(freedom, value)| value * change[freedom]).sum()
+                lifted.row(own[i]).for_each(|(freedom, _)| change[freedom] = 0.0);
             });
             let (left, solved) = coupled.solve(x, tolerance);
             own.iter().zip(&*x).for_each(|(&row, &x)| found[row] = x);
@@ -190,6 +209,8 @@ impl RowsSolver {
 struct Block {
     island: usize,
     law: RowLaw,
+    /// The lowest freedom that its impulses reach: what is joined to its neighbours alone makes a band.
+    lowest: usize,
     rows: Range<usize>,
 }
 
@@ -226,9 +247,10 @@ impl RowIslands {
                 *island = islands;
                 islands += 1;
             }
-            blocks.push(Block { island: *island, law, rows });
+            let lowest = reached(rows.clone()).min().unwrap_or(first);
+            blocks.push(Block { island: *island, law, lowest, rows });
         }
-        blocks.sort_unstable_by_key(|block| (block.island, block.rows.start));
+        blocks.sort_unstable_by_key(|block| (block.island, block.lowest, block.rows.start));
     }
 
     /// The blocks of each island.

@@ -151,16 +151,13 @@ impl RoughContacts<'_> {
                 };
                 coupled.push(RowLaw::Cone(self.friction[i]), rows.iter().map(rate));
             }
-            let mut last = usize::MAX;
-            coupled.couple(|i, j| {
+            coupled.couple(|i, compliances| {
                 let (impact, row) = rows[i];
-                if last != i {
-                    change.0.fill(0.0);
-                    impact.push(row, 1.0, change.view_mut());
-                    last = i;
+                change.0.fill(0.0);
+                impact.push(row, 1.0, change.view_mut());
+                for (&(impact, row), w) in rows[i..].iter().zip(compliances) {
+                    *w = impact.relative_velocity(row, change.view());
                 }
-                let (impact, row) = rows[j];
-                impact.relative_velocity(row, change.view())
             });
             let mut x = vec![0.0; rows.len()];
             let (left, _) = coupled.solve(&mut x, settled);

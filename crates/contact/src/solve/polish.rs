@@ -121,6 +121,10 @@ impl<const D: usize> Polish<D> {
             self.rows.push(RowLaw::Cone(contact.friction), contact.offset);
         }
         let contacts = island.contacts;
-        self.rows.couple(|i, j| contacts[i / D].joint_compliance(i % D, &contacts[j / D], j % D));
+        self.rows.couple(|i, compliances| {
+            for (j, w) in (i..).zip(compliances) {
+                *w = contacts[i / D].joint_compliance(i % D, &contacts[j / D], j % D);
+            }
+        });
     }
 }

@@ -44,12 +44,13 @@ pub struct WorldReport {
     pub work: f64,
     /// The energy that impacts and normal impulses took, J.
     pub impact_energy: f64,
-    /// The energy that friction took, J.
+    /// The energy that friction took, J: below zero as that of joints may be.
     pub friction_energy: f64,
     /// The energy that joints took, J: of closed ones that ask for no speed, what their velocities were
     /// off.
     pub joint_energy: f64,
-    /// What of it dry friction of joints took, J.
+    /// What of it dry friction of joints took, J: below zero where other impulses of the step turn around the
+    /// motion that it opposes at the end.
     pub joint_friction_energy: f64,
     /// How far joints are open after the step, and limits exceeded, m or rad; zero but for rounding where
     /// they could be closed.

@@ -31,6 +31,7 @@ pub const KINDS: &[Kind] = &[
     scenes::SPATIAL,
     scenes::ROLLING,
     jointed::KIND,
+    jointed::LIMITED,
     points::KIND,
     planar_points::KIND,
     mesh_points::KIND,

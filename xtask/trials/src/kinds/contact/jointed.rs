@@ -14,8 +14,8 @@ use stationary_contact::{
 };
 use stationary_integrators::State;
 use stationary_rigid::{
-    Body, BodyMetric, BodyMotion, Joint, JointEnd, JointKind, LieGroup, PointMass, Poses,
-    RigidMotion, Rotation, Weight,
+    Along, Body, BodyMetric, BodyMotion, Drive, Joint, JointEnd, JointFriction, JointKind,
+    JointLimits, LieGroup, PointMass, Poses, RigidMotion, Rotation, Steady, Weight,
 };
 
 use crate::{Draw, Kind, Verdict};
@@ -29,7 +29,17 @@ pub(super) const KIND: Kind = Kind {
            is out of its cone by more than reported; a joint open by 1e-9; a corner deeper in the floor than before, \
            turning and the residual allow. A step that is not settled is refused",
     in_tests: 50,
-    trial,
+    trial: |draw| trial(draw, false),
+};
+
+pub(super) const LIMITED: Kind = Kind {
+    name: "limited-contact",
+    krate: "contact",
+    rule: "such chains, their joints also universal or welded, and hinges with limits and dry friction: as of \
+           jointed-contact; axes of a hinge apart, or a weld turned, by 1e-9; a turn beyond its limits by 1e-9; \
+           friction of a joint beyond its bound, or along its turn",
+    in_tests: 50,
+    trial: |draw| trial(draw, true),
 };
 
 /// Half of the distance between joints, m, and of the boxes along it.
@@ -38,11 +48,17 @@ const HALF: f64 = 0.15;
 const GRAVITY: f64 = 9.81;
 const STEPS: usize = 60;
 
+type Turn = Drive<Poses, Steady>;
+
+/// Joints, limits of their turns, and friction.
+type Links = (Kept<Vec<Joint<Poses>>>, Vec<JointLimits<Turn>>, Vec<JointFriction<Turn>>);
+
 struct Chain {
     world: SpatialWorld<Weight<Poses>>,
     metric: BodyMetric<Poses>,
-    joints: Vec<Joint<Poses>>,
-    ends: Vec<[JointEnd; 2]>,
+    links: Links,
+    limits: [f64; 2],
+    bound: f64,
     state: State<Vec<f64>>,
     masses: Vec<f64>,
     half: Vector3<f64>,
@@ -50,7 +66,7 @@ struct Chain {
     step: f64,
 }
 
-fn drawn(draw: &mut Draw) -> Result<Chain, ContactError> {
+fn drawn(draw: &mut Draw, limited: bool) -> Result<Chain, ContactError> {
     let count = draw.between(2, 6);
     let half = Vector3::new(HALF, draw.uniform(0.03, 0.1), draw.uniform(0.03, 0.1));
     let spread = draw.one_of(&[1.0, 10.0, 1e3]);
@@ -89,11 +105,12 @@ fn drawn(draw: &mut Draw) -> Result<Chain, ContactError> {
     }
     let floor = Collider::fixed(RigidMotion::identity(), Shape::half_space(Vector3::z())?);
     colliders.push(floor.with_friction(friction).with_restitution(restitution));
-    let kind = match hinges {
-        true => JointKind::Hinge { axis: Vector3::y() },
-        false => JointKind::Ball,
-    };
-    let (mut joints, mut ends) = (Vec::new(), Vec::new());
+    let others = [JointKind::Weld, JointKind::Universal { axes: [Vector3::y(), Vector3::z()] }];
+    let hinge = JointKind::Hinge { axis: Vector3::y() };
+    let (low, high) = (draw_if(draw, limited, -1.0, 0.0), draw_if(draw, limited, 0.0, 1.0));
+    let bound = draw_if(draw, limited, 0.0, GRAVITY * REACH * masses[0]);
+    let limits = [low.min(-0.05), high.max(0.05)];
+    let (mut joints, mut stops, mut rubs) = (Vec::new(), Vec::new(), Vec::new());
     for body in usize::from(!hung)..count {
         let before = match body.checked_sub(1) {
             Some(before) => JointEnd::on(before, Vector3::x() * REACH),
@@ -102,9 +119,21 @@ fn drawn(draw: &mut Draw) -> Result<Chain, ContactError> {
                 JointEnd { body: None, frame }
             }
         };
-        ends.push([before, JointEnd::on(body, Vector3::x() * -REACH)]);
-        joints.push(Joint::new(Poses, count, kind, ends[ends.len() - 1])?);
+        let ends = [before, JointEnd::on(body, Vector3::x() * -REACH)];
+        let kind = match hinges {
+            _ if limited && draw.chance(0.3) => draw.one_of(&others),
+            true => hinge,
+            false => JointKind::Ball,
+        };
+        draw.note(format!("{} {limits:?} {bound}", kind.name()));
+        joints.push(Joint::new(Poses, count, kind, ends)?);
+        if limited && kind == hinge {
+            let turn = (Along::Turn, Vector3::y());
+            stops.push(JointLimits::new(Poses, count, turn, ends, limits)?);
+            rubs.push(JointFriction::new(Poses, count, turn, ends, bound)?);
+        }
     }
+    let links = (Kept(joints), stops, rubs);
     let points = masses.iter().map(|&mass| PointMass { mass, point: Vector3::zeros() });
     let gravity = Vector3::z() * -GRAVITY;
     let weight = Weight { gravity, masses: points.collect(), space: Poses };
@@ -112,7 +141,12 @@ fn drawn(draw: &mut Draw) -> Result<Chain, ContactError> {
     let state = metric.state(&motions)?;
     let detector = Detector::new(colliders, count)?;
     let world = SpatialWorld::new(metric.clone().under(weight)?, detector)?;
-    Ok(Chain { world, metric, joints, ends, state, masses, half, hung, step })
+    Ok(Chain { world, metric, links, limits, bound, state, masses, half, hung, step })
+}
+
+/// A number of a range if it is wanted, else 0.
+fn draw_if(draw: &mut Draw, wanted: bool, low: f64, high: f64) -> f64 {
+    if wanted { draw.uniform(low, high) } else { 0.0 }
 }
 
 /// Where a body is, and how it moves.
@@ -156,14 +190,51 @@ impl Chain {
         motions.iter().map(corner).fold(0.0, f64::max)
     }
 
-    /// How far the ends of the joint that is open most are apart, m.
+    /// How far the ends of the joint that is open most are apart, m, or axes that it keeps together, rad.
     fn open(&self, motions: &[Motion]) -> f64 {
-        let place = |end: &JointEnd| match end.body {
-            Some(body) => motions[body].x + motions[body].r * end.frame.translation,
-            None => end.frame.translation,
+        let placed = |end: &JointEnd| {
+            let own = end.frame.rotation.matrix();
+            match end.body {
+                Some(body) => {
+                    let Motion { x, r, .. } = motions[body];
+                    (x + r * end.frame.translation, r * own)
+                }
+                None => (end.frame.translation, own),
+            }
         };
-        let apart = |ends: &[JointEnd; 2]| (place(&ends[0]) - place(&ends[1])).norm();
-        self.ends.iter().map(apart).fold(0.0, f64::max)
+        let apart = |joint: &Joint<Poses>| {
+            let [(a, turned_a), (b, turned_b)] = joint.ends().each_ref().map(placed);
+            let turned = match joint.kind() {
+                JointKind::Hinge { axis } => (turned_a * axis - turned_b * axis).norm(),
+                JointKind::Universal { axes } => {
+                    (turned_a * axes[0]).dot(&(turned_b * axes[1])).abs()
+                }
+                JointKind::Weld => (turned_a - turned_b).norm(),
+                _ => 0.0,
+            };
+            (a - b).norm().max(turned)
+        };
+        self.links.0.0.iter().map(apart).fold(0.0, f64::max)
+    }
+
+    /// How far the turn that is farthest out of its limits is beyond them, rad.
+    fn beyond(&self, motions: &[Motion]) -> f64 {
+        let beyond = |joint: &Joint<Poses>| {
+            let turned = joint.ends().map(|end| match end.body {
+                Some(body) => motions[body].r * end.frame.rotation.matrix(),
+                None => end.frame.rotation.matrix(),
+            });
+            // The turn about y of the second in the axes of the first.
+            let turn = turned[0].transpose() * turned[1];
+            let angle = turn[(0, 2)].atan2(turn[(0, 0)]);
+            (self.limits[0] - angle).max(angle - self.limits[1])
+        };
+        self.hinges().into_iter().map(beyond).fold(0.0, f64::max)
+    }
+
+    fn hinges(&self) -> Vec<&Joint<Poses>> {
+        let hinge = |joint: &&Joint<Poses>| matches!(joint.kind(), JointKind::Hinge { .. });
+        self.links.0.0.iter().filter(hinge).collect()
     }
 
     fn judge(&self, before: &Seen, after: &Seen, report: &WorldReport) -> Verdict {
@@ -218,6 +289,10 @@ impl Chain {
         verdict = verdict.and(Verdict::of(above, slack, "energy grows"));
         if report.settled {
             verdict = verdict.and(Verdict::of(self.open(&after.motions), 1e-9, "a joint opens"));
+            if !self.links.1.is_empty() {
+                let beyond = self.beyond(&after.motions);
+                verdict = verdict.and(Verdict::of(beyond, 1e-9, "a turn leaves its limits"));
+            }
         }
         let turned = |seen: &Seen| {
             seen.motions
@@ -225,6 +300,19 @@ impl Chain {
                 .map(|b| 2.0 * (REACH + self.half.norm()) * b.turn.powi(2))
                 .sum::<f64>()
         };
+        // Dry friction is the last that asks for rows.
+        let (rubs, impulses) = (self.hinges(), self.world.joint_impulses());
+        let rubs = if self.links.2.is_empty() { &[] } else { &rubs[..] };
+        for (joint, x) in rubs.iter().rev().zip(impulses.iter().rev()) {
+            let spin = |end: &JointEnd| end.body.map_or(0.0, |body| to.0[6 * body + 4]);
+            let [a, b] = joint.ends().each_ref().map(spin);
+            let over = x.abs() - self.bound * h;
+            verdict =
+                verdict.and(Verdict::of(over, 1e-12, "friction of a joint is out of its bound"));
+            let allowed = self.bound * h * (left + 1e-9 * fastest / REACH);
+            verdict =
+                verdict.and(Verdict::of(x * (b - a), allowed, "friction of a joint drives it"));
+        }
         let deeper = (self.depth(&after.motions) - self.depth(&before.motions)).max(0.0);
         let allowed = 1e-12 + h * left + turned(before) + turned(after);
         verdict.and(Verdict::of(deeper, allowed, "the floor lets a corner in"))
@@ -237,8 +325,8 @@ struct Seen {
     energies: [f64; 2],
 }
 
-fn trial(draw: &mut Draw) -> Verdict {
-    let mut chain = match drawn(draw) {
+fn trial(draw: &mut Draw, limited: bool) -> Verdict {
+    let mut chain = match drawn(draw, limited) {
         Ok(chain) => chain,
         Err(error) => return Verdict::refused(error),
     };
@@ -246,8 +334,7 @@ fn trial(draw: &mut Draw) -> Verdict {
     let mut verdict = Verdict::due();
     let mut before = seen(&chain);
     for step in 0..STEPS {
-        let joints = Kept(&chain.joints);
-        let report = match chain.world.step_with(&mut chain.state, chain.step, &joints) {
+        let report = match chain.world.step_with(&mut chain.state, chain.step, &chain.links) {
             Ok(report) => report,
             Err(error) => return verdict.and(Verdict::refused(error)),
         };
