@@ -4,6 +4,7 @@ pub(crate) mod response;
 pub(crate) mod row_laws;
 pub(crate) mod dense_factor;
 pub(crate) mod set_equations;
+pub(crate) mod interior_point;
 pub(crate) mod reduced_rows;
 pub(crate) mod lemke;
 pub(crate) mod coupled_rows;

@@ -10,6 +10,7 @@
 
 use stationary_constraints::RowLaw;
 
+use crate::coupled::interior_point::InteriorPoint;
 use crate::coupled::lemke::Lemke;
 use crate::coupled::reduced_rows::ReducedRows;
 use crate::coupled::row_laws::{Left, RowLaws};
@@ -37,6 +38,10 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const PIVOTED: usize = 150;
 /// The most pyramids in the place of cones: the friction that one finds turns the next.
 const PYRAMIDS: usize = 6;
+/// How far an interior point goes, as parts of where it begins, before Newton's method is tried from there.
+const INSIDE: [f64; 6] = [1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16];
+/// The compliances of these tries: near an answer more keeps impulses of redundant rows from running off.
+const SOFTNESSES: [f64; 7] = [1e-13, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4];
 /// Sweeps that find the sets before each try of Newton's method, the first and the last: each try
 /// begins with twice as many.
 const FIRST_SWEEPS: usize = 16;
@@ -51,7 +56,9 @@ pub(crate) struct CoupledRows {
     best: Vec<f64>,
     tried: Vec<f64>,
     found: Vec<f64>,
+    inside: Vec<f64>,
     lemke: Lemke,
+    interior: InteriorPoint,
     reduced: ReducedRows,
     /// The rows of equalities.
     equal: Vec<usize>,
@@ -106,6 +113,10 @@ impl CoupledRows {
         if least > enough {
             let pivoted = self.pivot(x, enough);
             (least, solved) = (pivoted.0, solved + pivoted.1);
+        }
+        if least > enough {
+            let tried = self.from_inside(x, enough);
+            (least, solved) = (tried.0, solved + tried.1);
         }
         for by in &TRIES[1..] {
             if least > enough {
@@ -162,6 +173,44 @@ impl CoupledRows {
             }
         }
         self.found = found;
+        (least, solved)
+    }
+
+    /// The same by what an interior point leads to. Says what is left, and how many systems were solved.
+    fn from_inside(&mut self, x: &mut [f64], enough: f64) -> (f64, usize) {
+        let (mut least, mut solved) = (self.rows.left(x).worst(), 0);
+        if self.rows.rows() > PIVOTED || !self.interior.start(&self.rows) {
+            return (least, solved);
+        }
+        let mut found = std::mem::take(&mut self.found);
+        let mut inside = std::mem::take(&mut self.inside);
+        inside.resize(x.len(), 0.0);
+        'inside: for part in INSIDE {
+            let (systems, there) = self.interior.go_on(&self.rows, part, &mut inside);
+            solved += systems;
+            // From there, then from the best that these tries come to.
+            let from_best = SOFTNESSES.iter().rev().map(|softness| (true, *softness));
+            for (best, softness) in
+                SOFTNESSES.map(|softness| (false, softness)).into_iter().chain(from_best)
+            {
+                found.clear();
+                found.extend_from_slice(if best { x } else { &inside });
+                let by = Judging { softness, ..TRIES[0] };
+                let (left, systems) = self.newton_by(by, &mut found, enough);
+                solved += systems;
+                if left < least {
+                    least = left;
+                    x.copy_from_slice(&found);
+                }
+                if least <= enough {
+                    break 'inside;
+                }
+            }
+            if !there {
+                break;
+            }
+        }
+        (self.found, self.inside) = (found, inside);
         (least, solved)
     }
 

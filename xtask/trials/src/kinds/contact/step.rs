@@ -309,7 +309,9 @@ impl<'a> Referee<'a> {
             all.into_iter().fold(0.0, f64::max)
         };
         let fastest = self.bodies.iter().enumerate().map(speed).fold(gain, f64::max);
-        let rounding = 1e-10 * fastest + 20.0 * f64::EPSILON * step.farthest() / h;
+        // Gaps are of points that are farther than centres.
+        let radius = self.bodies.iter().map(|body| body.hull.radius).fold(0.0, f64::max);
+        let rounding = 1e-10 * fastest + 20.0 * f64::EPSILON * (step.farthest() + radius) / h;
         // Of what moves in a pile a tenth of the weight's change may be left, and 3e-4 of the fastest.
         let pile = step.touches.len() > PILE;
         let of_piles = (0.1 * gain).max(3e-4 * (fastest + gain));

@@ -131,7 +131,9 @@ impl Bounds {
 
     fn energy(&self, energy: f64, stress: f64) -> f64 {
         let x = self.beyond;
-        ROUNDINGS * EPS * (energy + stress * x + self.pressure * (x + x * x * x))
+        // A strain that is rounding has an energy that is its square.
+        let rounding = 4.0 * self.modulus * EPS * EPS * (1.0 + x).powi(4);
+        ROUNDINGS * EPS * (energy + stress * x + self.pressure * (x + x * x * x)) + rounding
     }
 
     fn stress(&self, stress: f64) -> f64 {
