@@ -10,3 +10,6 @@ pub(crate) mod lemke;
 pub(crate) mod coupled_rows;
 pub(crate) mod equalities;
 pub(crate) mod rows_solver;
+
+#[cfg(test)]
+mod tests;

@@ -93,3 +93,57 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + last
 }
+
+#[cfg(test)]
+mod tests {
+    use stationary_measure::SplitMix64;
+
+    use super::*;
+
+    /// A factor of lines, and a right side solved by it.
+    fn solved(lines: &[Vec<f64>], right: &[f64]) -> Option<Vec<f64>> {
+        let mut factor = DenseFactor::default();
+        factor.clear(lines.len());
+        for (row, line) in lines.iter().enumerate() {
+            factor.line(row).copy_from_slice(line);
+        }
+        let mut x = right.to_vec();
+        factor.factorize().then(|| {
+            factor.solve(&mut x);
+            x
+        })
+    }
+
+    #[test]
+    fn solves_matrices_with_bands_and_without_a_first_pivot() {
+        let mut random = SplitMix64::new(20290903);
+        for case in 0..200 {
+            let n = 1 + case % 40;
+            let band = 1 + case % 7;
+            let mut lines: Vec<Vec<f64>> = (0..n)
+                .map(|i: usize| {
+                    let entry = |j: usize| if i.abs_diff(j) <= band { 1.0 } else { 0.0 };
+                    (0..n).map(entry).collect()
+                })
+                .collect();
+            lines.iter_mut().flatten().for_each(|entry| *entry *= random.symmetric());
+            lines[0][0] = if n > 1 { 0.0 } else { 1.0 };
+            let wanted: Vec<f64> = (0..n).map(|_| random.symmetric()).collect();
+            let product = |line: &Vec<f64>| line.iter().zip(&wanted).map(|(a, x)| a * x).sum();
+            let right: Vec<f64> = lines.iter().map(product).collect();
+            let Some(x) = solved(&lines, &right) else { continue };
+            for (line, right) in lines.iter().zip(&right) {
+                let left: f64 = line.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>() - right;
+                let size: f64 = line.iter().zip(&x).map(|(a, x)| (a * x).abs()).sum::<f64>();
+                assert!(left.abs() <= 1e-12 * (size + right.abs()), "{n} {band}: {left:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_and_what_is_no_number_have_no_factor() {
+        assert_eq!(solved(&[vec![1.0, 2.0], vec![2.0, 4.0]], &[1.0, 1.0]), None);
+        assert_eq!(solved(&[vec![f64::NAN]], &[1.0]), None);
+        assert_eq!(solved(&[], &[]), Some(vec![]));
+    }
+}
