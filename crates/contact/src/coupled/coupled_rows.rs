@@ -1,12 +1,13 @@
-//! Rows of all laws that answer to one another, solved together: semismooth Newton to rounding, from sets that
-//! the guess, Lemke's pivots or sweeps lead to.
+//! Rows of all laws that answer to one another, solved together: semismooth Newton to rounding, from what the guess,
+//! Lemke's pivots, an interior point or sweeps lead to.
 //!
 //! The laws, and what is left of them, are those of `row_laws.rs`. Each of Newton's steps solves the equations of the
 //! sets that it finds, linearized (`set_equations.rs`). Redundant rows make `W` singular: a small compliance keeps
 //! their impulses where they are, and as what is left is measured without it, it has no say in what comes out. Sets
 //! are judged where equalities keep what they ask for; where those of the guess lead nowhere, pivots find others
-//! (`lemke.rs`). Coulomb's law has no energy that all of this would lower, so that nothing is taken on trust: only
-//! impulses that leave less than those before are kept.
+//! (`lemke.rs`), and where those go in circles, a way that chooses none (`interior_point.rs`). Coulomb's law has no
+//! energy that all of this would lower, so that nothing is taken on trust: only impulses that leave less than those
+//! before are kept.
 
 use stationary_constraints::RowLaw;
 
@@ -33,8 +34,8 @@ const REFINING: Judging = Judging { softness: 1e-13, pushing: 1.0, rubbing: 1.0 
 const HELD: Judging = Judging { softness: 1e-13, pushing: 0.0, rubbing: 1.0 };
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// The most rows for which Lemke's pivots are tried: their work grows with the cube as well, and there
-/// are many of them.
+/// The most rows for which Lemke's pivots and interior points are tried: their work grows with the cube as well, and
+/// there are many of them.
 const PIVOTED: usize = 150;
 /// The most pyramids in the place of cones: the friction that one finds turns the next.
 const PYRAMIDS: usize = 6;
