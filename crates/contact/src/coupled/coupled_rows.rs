@@ -238,7 +238,7 @@ impl CoupledRows {
         tried.extend_from_slice(x);
         let (mut solved, mut seen) = (0, [0.0; NEWTONS]);
         while solved < NEWTONS && least > ROUNDING * fastest {
-            let more = least <= enough;
+            let before = least;
             solved += 1;
             if !equations.step(rows, tried, by) {
                 break;
@@ -254,8 +254,8 @@ impl CoupledRows {
                 break;
             }
             seen[solved - 1] = left;
-            // Without joints all of the steps are taken: what stops comes to rest. With them one more than is enough.
-            if more && !equal.is_empty() {
+            // Without joints all of the steps are taken: what stops comes to rest. With them as many as gain something.
+            if before <= enough && left > 0.5 * before && !equal.is_empty() {
                 break;
             }
         }
