@@ -35,7 +35,8 @@
 //! Reading order: differentials of gaps ([`ContactRows`]), the inverse mass ([`InverseMass`]), an
 //! [`Impact`] and one contact of it; the inelastic projection ([`project`]), solved exactly; the
 //! laws ([`ImpactLaw`]). Rows of all laws, equalities and limits of joints beside contacts, between
-//! whatever answers to impulses ([`Response`], [`RowsSolver`]). Then the plane and space, by the
+//! whatever answers to impulses ([`Response`], [`RowsSolver`]): semismooth Newton, Lemke's pivots, an interior
+//! point. Then the plane and space, by the
 //! features `2d` and `3d`: what they are to contact ([`Dimension`]), shapes (balls, capsules, cylinders,
 //! cones, ellipsoids, boxes, hulls, polygons, half-spaces and meshes), colliders and detection, the same
 //! text for both ([`PlanarDetector`], [`Detector`]), which is asked for rays, closest points, overlaps and what
