@@ -116,7 +116,7 @@ impl CoupledRows {
             (least, solved) = (pivoted.0, solved + pivoted.1);
         }
         if least > enough {
-            let tried = self.from_inside(x, enough);
+            let tried = self.go_inside(x, enough);
             (least, solved) = (tried.0, solved + tried.1);
         }
         for by in &TRIES[1..] {
@@ -178,7 +178,7 @@ impl CoupledRows {
     }
 
     /// The same by what an interior point leads to. Says what is left, and how many systems were solved.
-    fn from_inside(&mut self, x: &mut [f64], enough: f64) -> (f64, usize) {
+    fn go_inside(&mut self, x: &mut [f64], enough: f64) -> (f64, usize) {
         let (mut least, mut solved) = (self.rows.left(x).worst(), 0);
         if self.rows.rows() > PIVOTED || !self.interior.start(&self.rows) {
             return (least, solved);
