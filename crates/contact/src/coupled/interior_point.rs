@@ -125,9 +125,11 @@ impl InteriorPoint {
             if self.steps >= STEPS {
                 break false;
             }
-            let mut go = self.aim(rows, mu, true);
+            self.find_turning();
+            let mut go = self.aim(rows, mu);
             if go < SHORT {
-                go = self.aim(rows, mu, false);
+                self.turning.fill(0.0);
+                go = self.aim(rows, mu);
             }
             let steps = self.pairs.iter().flat_map(|pair| [pair.dy, pair.dz, pair.d_upper]);
             if !(go > SHORTEST && steps.map(|d| go * d).all(f64::is_finite)) {
@@ -145,10 +147,9 @@ impl InteriorPoint {
         (self.steps - before, there)
     }
 
-    /// Finds a step, by rates across cones that turn with it or stay as they are; says how far it can be taken.
-    fn aim(&mut self, rows: &RowLaws, mu: f64, turning: bool) -> f64 {
+    /// Finds a step; says how far it can be taken.
+    fn aim(&mut self, rows: &RowLaws, mu: f64) -> f64 {
         self.steps += 1;
-        self.find_turning(turning);
         self.write(rows);
         if !self.factor.factorize() {
             return 0.0;
@@ -195,11 +196,11 @@ impl InteriorPoint {
         }
     }
 
-    /// `d|u_t|/du_t` of each cone, or none.
-    fn find_turning(&mut self, turning: bool) {
+    /// `d|u_t|/du_t` of each cone.
+    fn find_turning(&mut self) {
         self.turning.clear();
         self.turning.resize(self.rates.len(), 0.0);
-        for (_, block) in self.blocks.iter().filter(|(form, _)| turning && *form == Form::Circle) {
+        for (_, block) in self.blocks.iter().filter(|(form, _)| *form == Form::Circle) {
             let across = block.start + 1..block.end;
             let length = size(self.rates[across.clone()].iter().copied());
             for row in across.filter(|_| length > 0.0) {

@@ -29,7 +29,7 @@ pub(super) const KIND: Kind = Kind {
            is out of its cone by more than reported; a joint open by 1e-9; a corner deeper in the floor than before, \
            turning and the residual allow. A step that is not settled is refused",
     in_tests: 50,
-    trial: |draw| trial(draw, false),
+    trial: |draw| trial(draw, Joints::Alike),
 };
 
 pub(super) const LIMITED: Kind = Kind {
@@ -39,7 +39,7 @@ pub(super) const LIMITED: Kind = Kind {
            jointed-contact; axes of a hinge apart, or a weld turned, by 1e-9; a turn beyond its limits by 1e-9; \
            friction of a joint beyond its bound, or along its turn",
     in_tests: 50,
-    trial: |draw| trial(draw, true),
+    trial: |draw| trial(draw, Joints::Limited),
 };
 
 /// Half of the distance between joints, m, and of the boxes along it.
@@ -47,6 +47,15 @@ const REACH: f64 = 0.2;
 const HALF: f64 = 0.15;
 const GRAVITY: f64 = 9.81;
 const STEPS: usize = 60;
+
+/// The joints of a chain.
+#[derive(Clone, Copy, PartialEq)]
+enum Joints {
+    /// All balls or all hinges.
+    Alike,
+    /// Some universal or welded, the hinges with limits and friction.
+    Limited,
+}
 
 type Turn = Drive<Poses, Steady>;
 
@@ -66,7 +75,7 @@ struct Chain {
     step: f64,
 }
 
-fn drawn(draw: &mut Draw, limited: bool) -> Result<Chain, ContactError> {
+fn drawn(draw: &mut Draw, of: Joints) -> Result<Chain, ContactError> {
     let count = draw.between(2, 6);
     let half = Vector3::new(HALF, draw.uniform(0.03, 0.1), draw.uniform(0.03, 0.1));
     let spread = draw.one_of(&[1.0, 10.0, 1e3]);
@@ -107,9 +116,13 @@ fn drawn(draw: &mut Draw, limited: bool) -> Result<Chain, ContactError> {
     colliders.push(floor.with_friction(friction).with_restitution(restitution));
     let others = [JointKind::Weld, JointKind::Universal { axes: [Vector3::y(), Vector3::z()] }];
     let hinge = JointKind::Hinge { axis: Vector3::y() };
-    let (low, high) = (draw_if(draw, limited, -1.0, 0.0), draw_if(draw, limited, 0.0, 1.0));
-    let bound = draw_if(draw, limited, 0.0, GRAVITY * REACH * masses[0]);
-    let limits = [low.min(-0.05), high.max(0.05)];
+    let limited = of == Joints::Limited;
+    let [low, high, bound] = match of {
+        Joints::Alike => [0.0; 3],
+        Joints::Limited => [[-1.0, -0.05], [0.05, 1.0], [0.0, GRAVITY * REACH * masses[0]]]
+            .map(|[least, most]| draw.uniform(least, most)),
+    };
+    let limits = [low, high];
     let (mut joints, mut stops, mut rubs) = (Vec::new(), Vec::new(), Vec::new());
     for body in usize::from(!hung)..count {
         let before = match body.checked_sub(1) {
@@ -142,11 +155,6 @@ fn drawn(draw: &mut Draw, limited: bool) -> Result<Chain, ContactError> {
     let detector = Detector::new(colliders, count)?;
     let world = SpatialWorld::new(metric.clone().under(weight)?, detector)?;
     Ok(Chain { world, metric, links, limits, bound, state, masses, half, hung, step })
-}
-
-/// A number of a range if it is wanted, else 0.
-fn draw_if(draw: &mut Draw, wanted: bool, low: f64, high: f64) -> f64 {
-    if wanted { draw.uniform(low, high) } else { 0.0 }
 }
 
 /// Where a body is, and how it moves.
@@ -325,8 +333,8 @@ struct Seen {
     energies: [f64; 2],
 }
 
-fn trial(draw: &mut Draw, limited: bool) -> Verdict {
-    let mut chain = match drawn(draw, limited) {
+fn trial(draw: &mut Draw, of: Joints) -> Verdict {
+    let mut chain = match drawn(draw, of) {
         Ok(chain) => chain,
         Err(error) => return Verdict::refused(error),
     };
