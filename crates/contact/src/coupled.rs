@@ -2,6 +2,7 @@
 
 pub(crate) mod response;
 pub(crate) mod row_laws;
+pub(crate) mod row_sweeps;
 pub(crate) mod dense_factor;
 pub(crate) mod set_equations;
 pub(crate) mod interior_point;

@@ -71,6 +71,7 @@ mod world;
 mod order;
 pub mod problems;
 
+pub use coupled::coupled_rows::RowsMethod;
 pub use coupled::response::{FactorResponse, Response, SideBySide};
 pub use coupled::rows_solver::{COUPLED_ROWS, RowsReport, RowsSolver};
 #[cfg(feature = "3d")]

@@ -12,14 +12,17 @@
 //! | [`landing_pile`] | discs stacked in a triangle land, all at once | symmetric |
 //! | [`columns_of_boxes`], [`falling_boxes`] | boxes that stand or fall into a pile | they rest |
 //! | [`leaning_tower`] | boxes on each other, each off the middle | it stands or falls by statics |
+//! | [`landing_chain`] | boxes on joints, with all of their corners on a floor | laws of joints, dry friction and corners |
 
 #[cfg(feature = "3d")]
 mod boxes;
+mod chains;
 
 use stationary_calculus::{DiagonalMetric, SizeError};
 
 #[cfg(feature = "3d")]
 pub use boxes::{Boxes, FRICTION, GRAVITY, columns_of_boxes, falling_boxes, leaning_tower};
+pub use chains::{LandingChain, landing_chain};
 
 use crate::{ContactError, ContactRows, Impact, InverseMass};
 

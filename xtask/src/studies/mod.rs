@@ -95,6 +95,7 @@ studies! {
             arch: [MASONRY_ARCH],
             work_precision: [CONTACT_WORK_PRECISION],
             friction_problems: [FRICTION_PROBLEMS],
+            coupled_rows: [COUPLED_ROWS],
         }
         elasticity {
             sheets: [CANTILEVER, MEMBRANE, LOCKING],

@@ -21,32 +21,60 @@ use crate::coupled::set_equations::{Judging, SetEquations};
 const NEWTONS: usize = 12;
 /// What is left twice, to this part of it, comes again and again.
 const AGAIN: f64 = 1e-6;
+/// As little compliance as leaves redundant rows a factor.
+const FIRM: Judging = Judging { softness: 1e-13, pushing: 1.0, rubbing: 1.0 };
 /// Tries of Newton's method. The compliance is at first far above the rounding of a factor, so that redundant rows
 /// have one, and so small that few steps take off what it leaves; then less, where masses differ much.
 const TRIES: [Judging; 3] = [
-    Judging { softness: 1e-10, pushing: 1.0, rubbing: 1.0 },
-    Judging { softness: 1e-13, pushing: 1.0, rubbing: 1.0 },
+    Judging { softness: 1e-10, ..FIRM },
+    FIRM,
     Judging { softness: 1e-15, pushing: 0.1, rubbing: 0.1 },
 ];
-/// The same of a refinement: as little compliance as leaves redundant rows a factor.
-const REFINING: Judging = Judging { softness: 1e-13, pushing: 1.0, rubbing: 1.0 };
 /// The same where pivots have found what pushes, and no more than that is to push.
-const HELD: Judging = Judging { softness: 1e-13, pushing: 0.0, rubbing: 1.0 };
+const HELD: Judging = Judging { pushing: 0.0, ..FIRM };
 /// What is left relative to the fastest rate before any impulse that is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// The most rows for which Lemke's pivots and interior points are tried: their work grows with the cube as well, and
-/// there are many of them.
+/// The most rows for which Lemke's pivots are tried: their work grows with the cube as well, and there are many.
 const PIVOTED: usize = 150;
+/// The most multiplications of a factor of an interior point, which takes some hundred: those of 150 rows of which each
+/// answers to each, or of a thousand in a chain.
+const INSIDE_WORK: usize = 1_200_000;
 /// The most pyramids in the place of cones: the friction that one finds turns the next.
 const PYRAMIDS: usize = 6;
 /// How far an interior point goes, as parts of where it begins, before Newton's method is tried from there.
 const INSIDE: [f64; 6] = [1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16];
-/// The compliances of these tries: near an answer more keeps impulses of redundant rows from running off.
-const SOFTNESSES: [f64; 7] = [1e-13, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4];
+/// Compliances for the best of these tries: near an answer much of it keeps impulses of redundant rows from running off.
+const SOFTNESSES: [f64; 4] = [1e-4, 1e-5, 1e-6, 1e-7];
+/// The most rounds of these.
+const SOFT_ROUNDS: usize = 6;
 /// Sweeps that find the sets before each try of Newton's method, the first and the last: each try
 /// begins with twice as many.
 const FIRST_SWEEPS: usize = 16;
 const LAST_SWEEPS: usize = 1024;
+
+/// What led to impulses, from the cheapest to the dearest: each is tried where those before leave too much.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RowsMethod {
+    /// Newton's method from the guess, or a sparse factor where all are equalities.
+    #[default]
+    Newton,
+    /// The same from the sets of Lemke's pivots.
+    Pivots,
+    /// The same from an interior point.
+    InteriorPoint,
+    /// The same between sweeps.
+    Sweeps,
+}
+
+/// What a solution took and left.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Solved {
+    pub(crate) left: Left,
+    /// How many systems were solved.
+    pub(crate) systems: usize,
+    /// The dearest that was tried.
+    pub(crate) method: RowsMethod,
+}
 
 /// Rows that are solved together, and the memory of solving them.
 #[derive(Debug, Default)]
@@ -83,49 +111,53 @@ impl CoupledRows {
     }
 
     /// Solves the rows from a guess of their impulses until no more than `enough` (m/s) is left, or as
-    /// far as they let themselves; says what is left, and how many systems were solved.
-    pub(crate) fn solve(&mut self, x: &mut [f64], enough: f64) -> (Left, usize) {
+    /// far as they let themselves.
+    pub(crate) fn solve(&mut self, x: &mut [f64], enough: f64) -> Solved {
         let mut solved = self.solve_by_sets(x, enough);
-        let (mut left, mut sweeps) = (self.rows.left(x), FIRST_SWEEPS);
+        let mut sweeps = FIRST_SWEEPS;
         let mut swept = std::mem::take(&mut self.found);
-        while left.worst() > enough && sweeps <= LAST_SWEEPS {
+        while solved.left.worst() > enough && sweeps <= LAST_SWEEPS {
+            solved.method = RowsMethod::Sweeps;
             swept.clear();
             swept.extend_from_slice(x);
             self.rows.sweep(&mut swept, sweeps);
-            solved += self.newton(&mut swept, enough).1;
-            let now = self.rows.left(&swept);
-            if now.worst() < left.worst() {
-                left = now;
+            solved.systems += self.newton(&mut swept, enough).1;
+            let left = self.rows.left(&swept);
+            if left.worst() < solved.left.worst() {
+                solved.left = left;
                 x.copy_from_slice(&swept);
             }
             sweeps *= 2;
         }
         self.found = swept;
-        (left, solved)
+        solved
     }
 
-    /// The same by sets alone: those of the guess, else those that pivots find.
-    pub(crate) fn solve_by_sets(&mut self, x: &mut [f64], enough: f64) -> usize {
+    /// The same without sweeps.
+    pub(crate) fn solve_by_sets(&mut self, x: &mut [f64], enough: f64) -> Solved {
         self.equal.clear();
         let equal = self.rows.blocks().filter(|(law, _)| *law == RowLaw::Equality);
         self.equal.extend(equal.flat_map(|(_, rows)| rows));
         self.hold(x);
-        let (mut least, mut solved) = self.newton_by(TRIES[0], x, enough);
+        let (mut least, mut systems) = self.newton_by(TRIES[0], x, enough);
+        let mut method = RowsMethod::Newton;
         if least > enough {
+            method = RowsMethod::Pivots;
             let pivoted = self.pivot(x, enough);
-            (least, solved) = (pivoted.0, solved + pivoted.1);
+            (least, systems) = (pivoted.0, systems + pivoted.1);
         }
         if least > enough {
+            method = RowsMethod::InteriorPoint;
             let tried = self.go_inside(x, enough);
-            (least, solved) = (tried.0, solved + tried.1);
+            (least, systems) = (tried.0, systems + tried.1);
         }
         for by in &TRIES[1..] {
             if least > enough {
                 let tried = self.newton_by(*by, x, enough);
-                (least, solved) = (tried.0, solved + tried.1);
+                (least, systems) = (tried.0, systems + tried.1);
             }
         }
-        solved
+        Solved { left: self.rows.left(x), systems, method }
     }
 
     /// Gives equalities the impulses by which they keep what they ask for beside those of the others: sets are
@@ -161,7 +193,7 @@ impl CoupledRows {
             let (mut left, systems) = self.newton_by(HELD, &mut found, enough);
             solved += systems;
             if left > enough {
-                let tried = self.newton(&mut found, enough);
+                let tried = self.newton_by(FIRM, &mut found, enough);
                 (left, solved) = (tried.0, solved + tried.1);
             }
             let last = left <= enough || left > 0.5 * least;
@@ -180,39 +212,56 @@ impl CoupledRows {
     /// The same by what an interior point leads to. Says what is left, and how many systems were solved.
     fn go_inside(&mut self, x: &mut [f64], enough: f64) -> (f64, usize) {
         let (mut least, mut solved) = (self.rows.left(x).worst(), 0);
-        if self.rows.rows() > PIVOTED || !self.interior.start(&self.rows) {
+        if self.rows.work() > INSIDE_WORK || !self.interior.start(&self.rows) {
             return (least, solved);
         }
-        let mut found = std::mem::take(&mut self.found);
-        let mut inside = std::mem::take(&mut self.inside);
-        inside.resize(x.len(), 0.0);
-        'inside: for part in INSIDE {
-            let (systems, there) = self.interior.go_on(&self.rows, part, &mut inside);
-            solved += systems;
-            // From there, then from the best that these tries come to.
-            let from_best = SOFTNESSES.iter().rev().map(|softness| (true, *softness));
-            for (best, softness) in
-                SOFTNESSES.map(|softness| (false, softness)).into_iter().chain(from_best)
-            {
-                found.clear();
-                found.extend_from_slice(if best { x } else { &inside });
-                let by = Judging { softness, ..TRIES[0] };
-                let (left, systems) = self.newton_by(by, &mut found, enough);
-                solved += systems;
-                if left < least {
-                    least = left;
-                    x.copy_from_slice(&found);
-                }
-                if least <= enough {
-                    break 'inside;
-                }
-            }
-            if !there {
+        let mut from = std::mem::take(&mut self.inside);
+        from.resize(x.len(), 0.0);
+        // From place after place on the way,
+        for part in INSIDE {
+            let (systems, there) = self.interior.go_on(&self.rows, part, &mut from);
+            solved += systems + self.improve(&from, FIRM, enough, x, &mut least);
+            if least <= enough || !there {
                 break;
             }
         }
-        (self.found, self.inside) = (found, inside);
+        // then from the best that these tries come to, as long as that gains something.
+        for _ in 0..SOFT_ROUNDS {
+            let before = least;
+            for softness in SOFTNESSES {
+                if least > enough {
+                    from.copy_from_slice(x);
+                    let by = Judging { softness, ..FIRM };
+                    solved += self.improve(&from, by, enough, x, &mut least);
+                }
+            }
+            if least <= enough || least > 0.5 * before {
+                break;
+            }
+        }
+        self.inside = from;
         (least, solved)
+    }
+
+    /// Newton's method from a place, kept where it leaves less than the `least` so far; says how many systems it took.
+    fn improve(
+        &mut self,
+        from: &[f64],
+        by: Judging,
+        enough: f64,
+        x: &mut [f64],
+        least: &mut f64,
+    ) -> usize {
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
+        found.extend_from_slice(from);
+        let (left, systems) = self.newton_by(by, &mut found, enough);
+        if left < *least {
+            *least = left;
+            x.copy_from_slice(&found);
+        }
+        self.found = found;
+        systems
     }
 
     /// Changes impulses until no more than rounding is left, if it can, and by other sets where the
@@ -267,7 +316,7 @@ impl CoupledRows {
     pub(crate) fn refine(&mut self, x: &mut [f64], rates: impl Iterator<Item = f64>) -> bool {
         self.rows.rates.clear();
         self.rows.rates.extend(rates);
-        let taken = self.equations.step(&self.rows, x, REFINING);
+        let taken = self.equations.step(&self.rows, x, FIRM);
         if taken {
             self.rows.admit(x);
         }

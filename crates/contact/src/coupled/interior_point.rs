@@ -22,7 +22,7 @@ use crate::coupled::dense_factor::DenseFactor;
 use crate::coupled::row_laws::{RowLaws, size};
 
 /// The most steps.
-const STEPS: usize = 60;
+const STEPS: usize = 100;
 /// How far towards the edge of what is admissible a step goes.
 const INSIDE: f64 = 0.99;
 /// The least part of `mu` that a step aims at, so that what is near an edge comes off it.

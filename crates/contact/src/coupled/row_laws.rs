@@ -1,4 +1,4 @@
-//! Rows of all laws that answer to one another, how far impulses are from meeting them, and sweeps over them.
+//! Rows of all laws that answer to one another, and how far impulses are from meeting them.
 //!
 //! ```text
 //! u = W x + o                                            W = J M^-1 J^T, o = J v - w
@@ -10,7 +10,7 @@
 //! left = max_i |x_i - nearest(x_i - u_i/d_i)| d_i                                      m/s
 //! ```
 //! `x` impulses (N s), `u` what velocities lack (m/s), `d` the diagonal of `W` (1/kg), across a cone the
-//! largest eigenvalue of its tangents' block. Source: Kaufman, Sueda, James and Pai 2008 (the sweeps).
+//! largest eigenvalue of its tangents' block.
 
 use std::ops::Range;
 
@@ -104,6 +104,16 @@ impl RowLaws {
         self.scale.extend(self.own.iter().map(|d| if *d > 0.0 { d.sqrt().recip() } else { 1.0 }));
     }
 
+    /// Multiplications that a factor takes: as many as dense rows would, less what is before the first of each row.
+    pub(crate) fn work(&self) -> usize {
+        let n = self.rows();
+        let filled = |row: usize| {
+            let before = self.compliance[n * row..][..row].iter().position(|w| *w != 0.0);
+            row - before.unwrap_or(row)
+        };
+        (0..n).map(|row| filled(row).pow(2)).sum()
+    }
+
     /// The rates that impulses lead to.
     pub(crate) fn find_rates(&mut self, x: &[f64]) {
         self.rates.clear();
@@ -164,54 +174,6 @@ impl RowLaws {
                 across.iter_mut().for_each(|x| *x *= radius / length);
             }
         }
-    }
-
-    /// Relaxes each block in turn, so many times: normals first, then friction within what they allow.
-    pub(crate) fn sweep(&mut self, x: &mut [f64], sweeps: usize) {
-        self.find_rates(x);
-        for _ in 0..sweeps {
-            for block in 0..self.laws.len() {
-                let rows = self.starts[block]..self.starts[block + 1];
-                let law = self.laws[block];
-                let first = rows.start;
-                if self.own[first] > 0.0 {
-                    let wanted = x[first] - self.rates[first] / self.own[first];
-                    let wanted = match law {
-                        RowLaw::Equality => wanted,
-                        RowLaw::Limit | RowLaw::Cone(_) => wanted.max(0.0),
-                        RowLaw::Bounded(bound) => wanted.clamp(-bound, bound),
-                    };
-                    self.change(x, first, wanted);
-                }
-                if let RowLaw::Cone(friction) = law {
-                    self.rub(x, first + 1..rows.end, friction * x[first]);
-                }
-            }
-        }
-    }
-
-    /// The nearest friction to what would stop sliding.
-    fn rub(&mut self, x: &mut [f64], rows: Range<usize>, radius: f64) {
-        let mut wanted = [0.0; 2];
-        for (wanted, row) in wanted.iter_mut().zip(rows.clone()) {
-            *wanted = x[row];
-            if self.own[row] > 0.0 {
-                *wanted -= self.rates[row] / self.own[row];
-            }
-        }
-        let length = size(wanted);
-        let part = if length > radius { radius / length } else { 1.0 };
-        for (row, wanted) in rows.zip(wanted) {
-            self.change(x, row, part * wanted);
-        }
-    }
-
-    fn change(&mut self, x: &mut [f64], row: usize, to: f64) {
-        let change = to - x[row];
-        x[row] = to;
-        let n = self.rows();
-        let column = &self.compliance[n * row..n * (row + 1)];
-        self.rates.iter_mut().zip(column).for_each(|(rate, w)| *rate += change * w);
     }
 }
 

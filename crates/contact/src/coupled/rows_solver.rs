@@ -20,7 +20,7 @@ use std::ops::Range;
 use stationary_calculus::{SizeError, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
 
-use crate::coupled::coupled_rows::CoupledRows;
+use crate::coupled::coupled_rows::{CoupledRows, RowsMethod};
 use crate::coupled::equalities::Equalities;
 use crate::coupled::response::Response;
 use crate::error::check_finite;
@@ -37,6 +37,8 @@ pub struct RowsReport {
     pub islands: usize,
     /// Dense systems solved.
     pub solved: usize,
+    /// The dearest method that an island asked for.
+    pub method: RowsMethod,
     /// Whether no more is left than was asked for.
     pub settled: bool,
     /// How far equalities, limits and normals are from their laws, m/s or rad/s.
@@ -164,12 +166,13 @@ impl RowsSolver {
                 }
                 lifted.row(own[i]).for_each(|(freedom, _)| change[freedom] = 0.0);
             });
-            let (left, solved) = coupled.solve(x, tolerance);
+            let solved = coupled.solve(x, tolerance);
             own.iter().zip(&*x).for_each(|(&row, &x)| found[row] = x);
-            report.solved += solved;
-            report.settled &= left.worst() <= tolerance;
-            report.residual = report.residual.max(left.normal);
-            report.friction_residual = report.friction_residual.max(left.friction);
+            report.solved += solved.systems;
+            report.method = report.method.max(solved.method);
+            report.settled &= solved.left.worst() <= tolerance;
+            report.residual = report.residual.max(solved.left.normal);
+            report.friction_residual = report.friction_residual.max(solved.left.friction);
         }
         for (row, &x) in found.iter().enumerate().filter(|(_, x)| **x != 0.0) {
             lifted.row(row).for_each(|(freedom, value)| v.0[freedom] += value * x);

@@ -160,7 +160,7 @@ impl RoughContacts<'_> {
                 }
             });
             let mut x = vec![0.0; rows.len()];
-            let (left, _) = coupled.solve(&mut x, settled);
+            let left = coupled.solve(&mut x, settled).left;
             pass.converged &= left.worst() * SETTLED <= settled * CONVERGED;
             for (&(impact, row), &x) in rows.iter().zip(&x) {
                 impact.push(row, x, v.view_mut());

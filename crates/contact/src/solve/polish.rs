@@ -37,7 +37,7 @@ impl<const D: usize> Polish<D> {
         x: &mut [[f64; D]],
         (most, enough): (usize, f64),
     ) -> usize {
-        self.solve(sweeps, island, x, most, |rows, x| rows.solve_by_sets(x, enough))
+        self.solve(sweeps, island, x, most, |rows, x| rows.solve_by_sets(x, enough).systems)
     }
 
     /// The same by the sets that more and more sweeps lead to.
@@ -48,7 +48,7 @@ impl<const D: usize> Polish<D> {
         x: &mut [[f64; D]],
         (most, enough): (usize, f64),
     ) -> usize {
-        self.solve(sweeps, island, x, most, |rows, x| rows.solve(x, enough).1)
+        self.solve(sweeps, island, x, most, |rows, x| rows.solve(x, enough).systems)
     }
 
     fn solve<const F: usize>(

@@ -28,6 +28,7 @@ mod standing;
 mod jointed;
 #[cfg(feature = "3d")]
 mod jointed_space;
+mod landing_chains;
 #[cfg(feature = "3d")]
 mod kinds_and_steppers;
 #[cfg(all(feature = "2d", feature = "3d"))]

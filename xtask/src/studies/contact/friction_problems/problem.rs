@@ -1,24 +1,31 @@
-//! Friction problems as such: contacts of one moment, to be solved without a step around them.
+//! Friction problems as such: rows of one moment, to be solved without a step around them.
 //!
 //! ```text
-//! v = v_f + M^-1 J^T x,   u = J v,   K_i contains x_i,  K_i* contains u_i + mu_i |u_t| n,  x_i.(u_i + mu_i |u_t| n) = 0
+//! v = v_f + M^-1 J^T x,   u = J v - w,   K_i contains x_i,  K_i* contains u_i + mu_i |u_t| n,  x_i.(u_i + mu_i |u_t| n) = 0
 //! ```
-//! `v_f` velocities before any impulse, `M` masses and moments, `J` the rows of contacts, three each (normal,
-//! two tangents), `x` impulses, `u` rates, `mu` friction, `K` Coulomb's cone. The kinds are those of the FCLIB
-//! collection (Acary, Bremond, Koziara, Perignon 2014): blocks, chains, columns, dense packings; where bodies
-//! touch at corners of faces rows depend on each other.
+//! `v_f` velocities before any impulse, `M` masses and moments, `J` the rows, three of a contact (normal, two
+//! tangents), `w` what they ask for, `x` impulses, `u` rates, `mu` friction, `K` Coulomb's cone, of joints and their
+//! friction all that their laws admit. The kinds are those of the FCLIB collection (Acary, Bremond, Koziara, Perignon
+//! 2014): blocks, chains, columns, dense packings, joints with contacts; where bodies touch at corners of faces rows
+//! depend on each other.
 //!
 //! A problem is saved as text, one record a line, numbers in full:
 //! ```text
 //! friction-problem 1 NAME
 //! mass M1 M2 ..                 one number a freedom, kg or kg m^2
 //! free V1 V2 ..                 m/s or rad/s
-//! contact MU F:C F:C .. ; F:C .. ; F:C ..        rows of normal and tangents, freedom:coefficient
+//! equality ; W F:C F:C ..       what a row asks for and its entries, freedom:coefficient
+//! limit ; W F:C ..
+//! bounded B ; W F:C ..
+//! contact MU ; W F:C .. ; W F:C .. ; W F:C ..        rows of normal and tangents
 //! ```
+
+use std::ops::Range;
 
 use nalgebra::Vector3;
 use stationary_calculus::{DiagonalMetric, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
+use stationary_contact::problems::landing_chain;
 use stationary_contact::{
     Collider, ContactError, ContactRows, Detector, InverseMass, RowsReport, RowsSolver, Shape,
     gap_rows,
@@ -30,17 +37,17 @@ use stationary_rigid::{Body, BodyMetric, BodyMotion, LieGroup, Poses, RigidMotio
 const PULL: f64 = 0.0981;
 /// The most records of a file, and numbers in one.
 const MOST: usize = 1_000_000;
+/// Masses of jointed boxes are within so many powers of ten of 1 kg.
+const SPREAD: f64 = 1.5;
 
-/// Contacts of one moment.
+/// Rows of one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionProblem {
     /// Its name.
     pub name: String,
     mass: Vec<f64>,
     free: Vec<f64>,
-    friction: Vec<f64>,
-    /// Normal and tangents of each contact.
-    rows: Vec<[Vec<(usize, f64)>; 3]>,
+    rows: VelocityRows,
 }
 
 /// Why a text is no problem: the line, counted from 1, and what is wrong.
@@ -52,9 +59,9 @@ pub struct ReadError {
 }
 
 impl FrictionProblem {
-    /// Contacts.
-    pub fn contacts(&self) -> usize {
-        self.friction.len()
+    /// Its contacts, joints and limits.
+    pub fn blocks(&self) -> usize {
+        self.rows.blocks().count()
     }
 
     /// Its text.
@@ -62,11 +69,18 @@ impl FrictionProblem {
         let numbers = |x: &[f64]| x.iter().map(|x| format!(" {x:?}")).collect::<String>();
         let mut text = format!("friction-problem 1 {}\n", self.name);
         text += &format!("mass{}\nfree{}\n", numbers(&self.mass), numbers(&self.free));
-        for (friction, rows) in self.friction.iter().zip(&self.rows) {
-            let row = |row: &Vec<(usize, f64)>| {
-                row.iter().map(|(f, c)| format!("{f}:{c:?}")).collect::<Vec<_>>().join(" ")
+        for (law, rows) in self.rows.blocks() {
+            text += &match law {
+                RowLaw::Equality => "equality".to_owned(),
+                RowLaw::Limit => "limit".to_owned(),
+                RowLaw::Bounded(bound) => format!("bounded {bound:?}"),
+                RowLaw::Cone(friction) => format!("contact {friction:?}"),
             };
-            text += &format!("contact {friction:?} {}\n", rows.each_ref().map(row).join(" ; "));
+            for row in rows {
+                text += &format!(" ; {:?}", self.rows.asked(row));
+                self.rows.row(row).for_each(|(f, c)| text += &format!(" {f}:{c:?}"));
+            }
+            text.push('\n');
         }
         text
     }
@@ -80,50 +94,54 @@ impl FrictionProblem {
         let mut lines = text.lines().enumerate().take(MOST);
         let head = lines.next().and_then(|(_, line)| line.strip_prefix("friction-problem 1 "));
         let name = head.ok_or(ReadError { line: 1, what: "no friction problem" })?.to_owned();
-        let mut problem = FrictionProblem {
-            name,
-            mass: Vec::new(),
-            free: Vec::new(),
-            friction: Vec::new(),
-            rows: Vec::new(),
-        };
+        let (mass, free, rows) = (Vec::new(), Vec::new(), VelocityRows::default());
+        let mut problem = FrictionProblem { name, mass, free, rows };
         for (number, line) in lines {
             let fault = |what| ReadError { line: number + 1, what };
             let finite = |word: &str| {
                 let number: Option<f64> = word.parse().ok();
                 number.filter(|x| x.is_finite()).ok_or(fault("a number is none"))
             };
-            let numbers = |words: &str| -> Result<Vec<f64>, ReadError> {
-                words.split_whitespace().take(MOST).map(finite).collect()
-            };
-            match line.split_once(' ') {
-                Some(("mass", words)) => problem.mass = numbers(words)?,
-                Some(("free", words)) => problem.free = numbers(words)?,
-                Some(("contact", words)) => {
-                    let (friction, rows) =
-                        words.split_once(' ').ok_or(fault("a contact has no rows"))?;
-                    let friction = finite(friction)?;
-                    let entry = |word: &str| {
-                        let (freedom, value) =
-                            word.split_once(':').ok_or(fault("an entry has no colon"))?;
-                        let freedom: usize =
-                            freedom.parse().map_err(|_| fault("a freedom is no number"))?;
-                        if freedom >= problem.free.len() {
-                            return Err(fault("a freedom is not there"));
-                        }
-                        Ok((freedom, finite(value)?))
-                    };
-                    let row = |words: &str| words.split_whitespace().map(entry).collect();
-                    let rows: Vec<Vec<_>> = rows.split(';').map(row).collect::<Result<_, _>>()?;
-                    let rows = rows.try_into().map_err(|_| fault("a contact has three rows"))?;
-                    if friction < 0.0 {
-                        return Err(fault("friction is negative"));
-                    }
-                    problem.friction.push(friction);
-                    problem.rows.push(rows);
+            let mut parts = line.split(';');
+            let mut words = parts.next().unwrap_or_default().split_whitespace().take(MOST);
+            let record = words.next();
+            let numbers: Vec<f64> = words.map(finite).collect::<Result<_, _>>()?;
+            let law = match (record, &numbers[..]) {
+                (Some("mass"), _) => {
+                    problem.mass = numbers;
+                    continue;
                 }
+                (Some("free"), _) => {
+                    problem.free = numbers;
+                    continue;
+                }
+                (Some("equality"), []) => RowLaw::Equality,
+                (Some("limit"), []) => RowLaw::Limit,
+                (Some("bounded"), [bound]) => RowLaw::Bounded(*bound),
+                (Some("contact"), [friction]) => RowLaw::Cone(*friction),
                 _ => return Err(fault("an unknown record")),
-            }
+            };
+            let entry = |word: &str| {
+                let (freedom, value) =
+                    word.split_once(':').ok_or(fault("an entry has no colon"))?;
+                let freedom: usize =
+                    freedom.parse().map_err(|_| fault("a freedom is no number"))?;
+                if freedom >= problem.free.len() {
+                    return Err(fault("a freedom is not there"));
+                }
+                Ok((freedom, finite(value)?))
+            };
+            let row = |words: &str| {
+                let mut words = words.split_whitespace();
+                let asked = finite(words.next().unwrap_or_default())?;
+                Ok((words.map(entry).collect::<Result<Vec<_>, _>>()?, asked))
+            };
+            let block: Vec<_> = parts.map(row).collect::<Result<_, _>>()?;
+            let block: Vec<_> =
+                block.iter().map(|(entries, asked)| (&entries[..], *asked)).collect();
+            problem.rows.push(law, &block).map_err(|_| {
+                fault("a law has another number of rows, or a negative bound or friction")
+            })?;
         }
         let positive = problem.mass.iter().all(|mass| *mass > 0.0);
         if !positive || problem.mass.len() != problem.free.len() {
@@ -136,39 +154,37 @@ impl FrictionProblem {
     ///
     /// # Errors
     /// Those of [`RowsSolver::solve`].
-    pub fn solve(&self, tolerance: f64) -> Result<(Vec<[f64; 3]>, RowsReport), ContactError> {
-        let mut rows = VelocityRows::default();
-        for (&friction, own) in self.friction.iter().zip(&self.rows) {
-            let block = own.each_ref().map(|row| (&row[..], 0.0));
-            rows.push(RowLaw::Cone(friction), &block)?;
-        }
+    pub fn solve(&self, tolerance: f64) -> Result<(Vec<f64>, RowsReport), ContactError> {
         let metric = DiagonalMetric::new(self.mass.clone())
             .map_err(|_| ContactError::Mass { freedom: 0 })?;
         let mut mass = InverseMass::of(&metric)?;
         let mut v = Vector(self.free.clone());
-        let mut x = vec![0.0; rows.rows()];
+        let mut x = vec![0.0; self.rows.rows()];
         let mut solver = RowsSolver::default();
-        let report = solver.solve(&rows, &mut mass, tolerance, &mut x, v.view_mut())?;
-        Ok((x.as_chunks::<3>().0.to_vec(), report))
+        let report = solver.solve(&self.rows, &mut mass, tolerance, &mut x, v.view_mut())?;
+        Ok((x, report))
     }
 
-    /// Impulses by nonsmooth Gauss-Seidel, contact after contact, until the residual is below a tolerance
+    /// Impulses by nonsmooth Gauss-Seidel, block after block, until the residual is below a tolerance
     /// (m/s), and the sweeps that took.
-    pub fn gauss_seidel(&self, tolerance: f64, most: usize) -> (Vec<[f64; 3]>, usize) {
-        let mut x = vec![[0.0; 3]; self.contacts()];
+    pub fn gauss_seidel(&self, tolerance: f64, most: usize) -> (Vec<f64>, usize) {
+        let mut x = vec![0.0; self.rows.rows()];
         let mut v = self.free.clone();
-        let scales: Vec<f64> = (0..self.contacts()).map(|i| self.scale(i)).collect();
+        let blocks: Vec<_> =
+            self.rows.blocks().map(|(law, rows)| (law, self.scale(&rows), rows)).collect();
         for sweep in 0..most {
-            for i in 0..x.len() {
-                // The contact on its own, by fixed-point steps in its cone.
+            for (law, scale, rows) in &blocks {
+                // The block on its own, by fixed-point steps in its cone.
                 for _ in 0..20 {
-                    let wanted = self.step(i, &x[i], &v, scales[i]);
-                    let change = [0, 1, 2].map(|k| wanted[k] - x[i][k]);
-                    for (k, row) in self.rows[i].iter().enumerate() {
-                        row.iter().for_each(|&(f, c)| v[f] += c * change[k] / self.mass[f]);
+                    let wanted = self.step(*law, rows, *scale, &x, &v);
+                    let mut most = 0.0_f64;
+                    for (row, wanted) in rows.clone().zip(wanted) {
+                        let change = wanted - x[row];
+                        self.rows.row(row).for_each(|(f, c)| v[f] += c * change / self.mass[f]);
+                        x[row] = wanted;
+                        most = most.max(change.abs() * scale);
                     }
-                    x[i] = wanted;
-                    if change.iter().all(|c| c.abs() * scales[i] < 0.01 * tolerance) {
+                    if most < 0.01 * tolerance || rows.len() == 1 {
                         break;
                     }
                 }
@@ -180,43 +196,49 @@ impl FrictionProblem {
         (x, most)
     }
 
-    /// How far impulses are from Coulomb's law, m/s: of the natural map of the cone.
-    pub fn residual(&self, x: &[[f64; 3]]) -> f64 {
+    /// How far impulses are from their laws, m/s: of the natural map.
+    pub fn residual(&self, x: &[f64]) -> f64 {
         let mut v = self.free.clone();
-        for (own, x) in self.rows.iter().zip(x) {
-            for (row, x) in own.iter().zip(x) {
-                row.iter().for_each(|&(f, c)| v[f] += c * x / self.mass[f]);
-            }
+        for (row, x) in x.iter().enumerate() {
+            self.rows.row(row).for_each(|(f, c)| v[f] += c * x / self.mass[f]);
         }
-        let off = |(i, x): (usize, &[f64; 3])| {
-            let scale = self.scale(i);
-            let to = self.step(i, x, &v, scale);
-            [0, 1, 2].map(|k| (to[k] - x[k]).powi(2)).iter().sum::<f64>().sqrt() * scale
+        let off = |(law, rows): (RowLaw, Range<usize>)| {
+            let scale = self.scale(&rows);
+            let to = self.step(law, &rows, scale, x, &v);
+            rows.zip(to).map(|(row, to)| (to - x[row]).powi(2)).sum::<f64>().sqrt() * scale
         };
-        x.iter().enumerate().map(off).fold(0.0, f64::max)
+        self.rows.blocks().map(off).fold(0.0, f64::max)
     }
 
-    /// The nearest point of the cone to `x - (u + mu |u_t| n)/scale`.
-    fn step(&self, i: usize, x: &[f64; 3], v: &[f64], scale: f64) -> [f64; 3] {
-        let mu = self.friction[i];
-        let u = self.rows[i].each_ref().map(|row| row.iter().map(|&(f, c)| c * v[f]).sum::<f64>());
-        let slip = u[1].hypot(u[2]);
-        let z = [x[0] - (u[0] + mu * slip) / scale, x[1] - u[1] / scale, x[2] - u[2] / scale];
-        let across = z[1].hypot(z[2]);
-        if across <= mu * z[0] {
-            return z;
+    /// What a law admits that is nearest to `x - (u + mu |u_t| n)/scale`.
+    fn step(&self, law: RowLaw, rows: &Range<usize>, scale: f64, x: &[f64], v: &[f64]) -> [f64; 3] {
+        let [mut u, mut to] = [[0.0; 3]; 2];
+        u.iter_mut().zip(rows.clone()).for_each(|(u, row)| *u = self.rows.lack(row, Vector(v)));
+        if let RowLaw::Cone(friction) = law {
+            u[0] += friction * u[1].hypot(u[2]);
         }
-        if mu * across <= -z[0] {
-            return [0.0; 3];
-        }
-        let normal = (z[0] + mu * across) / (1.0 + mu * mu);
-        let part = mu * normal / across;
-        [normal, part * z[1], part * z[2]]
+        to.iter_mut().zip(&x[rows.clone()]).zip(u).for_each(|((to, x), u)| *to = x - u / scale);
+        law.nearest(&mut to[..rows.len()]);
+        to
     }
 
-    /// The largest eigenvalue of a contact's own block is no more: the trace, 1/kg.
-    fn scale(&self, i: usize) -> f64 {
-        self.rows[i].iter().flatten().map(|&(f, c)| c * c / self.mass[f]).sum()
+    /// The largest eigenvalue of a block's own matrix is no more: the trace, 1/kg.
+    fn scale(&self, rows: &Range<usize>) -> f64 {
+        rows.clone().flat_map(|row| self.rows.row(row)).map(|(f, c)| c * c / self.mass[f]).sum()
+    }
+
+    /// Boxes on joints that land on a floor, with masses of `10^-spread` to `10^spread` kg.
+    ///
+    /// # Errors
+    /// None: rows are finite.
+    pub fn of_joints(
+        name: String,
+        bodies: usize,
+        spread: f64,
+        random: &mut SplitMix64,
+    ) -> Result<Self, ContactError> {
+        let chain = landing_chain(bodies, spread, random)?;
+        Ok(FrictionProblem { name, mass: chain.masses, free: chain.velocity, rows: chain.rows })
     }
 
     /// Bodies that touch at these poses, pushed at random.
@@ -242,9 +264,12 @@ impl FrictionProblem {
         let normals = gap_rows(&contacts, &q);
         let mut across = ContactRows::new();
         contacts.iter().for_each(|contact| contact.push_tangents(&q, &mut across));
-        let rows = |i: usize| {
-            [normals.row(i).collect(), across.row(2 * i).collect(), across.row(2 * i + 1).collect()]
-        };
+        let mut rows = VelocityRows::default();
+        for (i, contact) in contacts.iter().enumerate() {
+            let own = [normals.row(i), across.row(2 * i), across.row(2 * i + 1)];
+            let own = own.map(|row| row.collect::<Vec<_>>());
+            rows.push(RowLaw::Cone(contact.friction), &own.each_ref().map(|row| (&row[..], 0.0)))?;
+        }
         let of = |body: &Body| {
             let (m, moments) = (body.mass(), body.moments());
             [m, m, m, moments.x, moments.y, moments.z]
@@ -254,13 +279,12 @@ impl FrictionProblem {
             name,
             mass: bodies.iter().flat_map(of).collect(),
             free: (0..6 * poses.len()).map(&mut pushed).collect(),
-            friction: contacts.iter().map(|contact| contact.friction).collect(),
-            rows: (0..contacts.len()).map(rows).collect(),
+            rows,
         })
     }
 }
 
-/// Problems of the four kinds by turns.
+/// Problems of the five kinds by turns.
 ///
 /// # Errors
 /// Those of shapes and of detection.
@@ -279,7 +303,10 @@ pub fn friction_problems(count: usize, seed: u64) -> Result<Vec<FrictionProblem>
             let solid = Body::solid_box(1.0, [0.5; 3])?;
             let round = Body::new(1.0, [0.1; 3])?;
             let name = |kind: &str| format!("{kind}-{k}");
-            let (name, body, poses, shape): (_, _, Vec<_>, _) = match k % 4 {
+            if k % 5 == 4 {
+                return FrictionProblem::of_joints(name("joints"), size, SPREAD, &mut random);
+            }
+            let (name, body, poses, shape): (_, _, Vec<_>, _) = match k % 5 {
                 // Boxes beside each other: four corners each.
                 0 => {
                     let at = |i: usize| upright(1.5 * i as f64, 0.0, 0.5);
@@ -321,11 +348,15 @@ mod tests {
 
     #[test]
     fn a_problem_that_is_written_is_read_as_it_was_and_a_text_that_is_none_names_its_line() {
-        for problem in friction_problems(8, 3).unwrap() {
+        for problem in friction_problems(10, 3).unwrap() {
             let text = problem.write();
             assert_eq!(FrictionProblem::read(&text).unwrap(), problem);
-            let cut: String =
-                text.lines().take(3).chain(["contact x 0:1"]).map(|l| format!("{l}\n")).collect();
+            let cut: String = text
+                .lines()
+                .take(3)
+                .chain(["contact x ; 0 0:1"])
+                .map(|l| format!("{l}\n"))
+                .collect();
             assert_eq!(FrictionProblem::read(&cut).unwrap_err().line, 4);
         }
         assert_eq!(FrictionProblem::read("").unwrap_err().line, 1);
