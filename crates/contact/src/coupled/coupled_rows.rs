@@ -43,8 +43,10 @@ const INSIDE_WORK: usize = 1_200_000;
 const PYRAMIDS: usize = 6;
 /// How far an interior point goes, as parts of where it begins, before Newton's method is tried from there.
 const INSIDE: [f64; 6] = [1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16];
-/// Compliances for the best of these tries: near an answer much of it keeps impulses of redundant rows from running off.
-const SOFTNESSES: [f64; 4] = [1e-4, 1e-5, 1e-6, 1e-7];
+/// The tries from each of these places, and compliances for the best of them: near an answer much compliance keeps
+/// impulses of redundant rows from running off.
+const FROM_INSIDE: [Judging; 2] = [FIRM, Judging { softness: 1e-7, ..FIRM }];
+const SOFTNESSES: [f64; 6] = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10];
 /// The most rounds of these.
 const SOFT_ROUNDS: usize = 6;
 /// Sweeps that find the sets before each try of Newton's method, the first and the last: each try
@@ -220,7 +222,12 @@ impl CoupledRows {
         // From place after place on the way,
         for part in INSIDE {
             let (systems, there) = self.interior.go_on(&self.rows, part, &mut from);
-            solved += systems + self.improve(&from, FIRM, enough, x, &mut least);
+            solved += systems;
+            for by in FROM_INSIDE {
+                if least > enough {
+                    solved += self.improve(&from, by, enough, x, &mut least);
+                }
+            }
             if least <= enough || !there {
                 break;
             }

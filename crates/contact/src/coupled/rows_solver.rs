@@ -7,9 +7,9 @@
 //! `x` impulses (N s), `v` velocities (m/s, rad/s), `w` what the rows ask for, `A` what answers
 //! ([`Response`]). An equality gives any impulse, a limit pushes only, what is bounded gives at most its
 //! bound, a contact stays in Coulomb's cone ([`RowLaw`]). Islands share no freedom that an impulse
-//! reaches; each is solved to rounding where its laws have an answer, by Newton's method on the
-//! active, sticking and sliding sets, and where those do not come by Lemke's pivots. What is left is reported.
-//! A row along which nothing gives way has no impulse.
+//! reaches; each is solved to rounding as far as an answer is found, by Newton's method on the active, sticking and
+//! sliding sets, and where those do not come by pivots, an interior point and sweeps ([`RowsMethod`]). What is
+//! left is reported. A row along which nothing gives way has no impulse.
 //!
 //! The work grows with the cube of an island's rows, and there is a bound on them; an island of equalities
 //! alone between masses that are not coupled is solved by `constraints` instead, however many there are
