@@ -216,7 +216,8 @@ impl<'a> Referee<'a> {
             kicked += kick;
             let heights = weight * (from.pose.x.norm() + to.pose.x.norm());
             scale += t[0] + t[1] + kick.abs() + lift.abs() + 1e-3 * heights;
-            heavy += body.mass * (from.p.norm() + to.p.norm()) / body.mass;
+            let turns = from.l.norm() + to.l.norm();
+            heavy += from.p.norm() + to.p.norm() + turns / body.hull.radius;
         }
         let work = self.work(step);
         let impulses: f64 = step.touches.iter().map(|t| t.impulse().norm()).sum();
