@@ -177,14 +177,14 @@ impl FrictionProblem {
                 // The block on its own, by fixed-point steps in its cone.
                 for _ in 0..20 {
                     let wanted = self.step(*law, rows, *scale, &x, &v);
-                    let mut most = 0.0_f64;
+                    let mut moved = 0.0_f64;
                     for (row, wanted) in rows.clone().zip(wanted) {
                         let change = wanted - x[row];
                         self.rows.row(row).for_each(|(f, c)| v[f] += c * change / self.mass[f]);
                         x[row] = wanted;
-                        most = most.max(change.abs() * scale);
+                        moved = moved.max(change.abs() * scale);
                     }
-                    if most < 0.01 * tolerance || rows.len() == 1 {
+                    if moved < 0.01 * tolerance || rows.len() == 1 {
                         break;
                     }
                 }
