@@ -1,7 +1,5 @@
 //! Joints, dry friction and corners at once: which method finds impulses, and where none does to rounding.
 
-use std::time::Instant;
-
 use stationary_chart::{Axis, Lines, Series};
 use stationary_measure::{Column, SplitMix64, Table};
 
@@ -45,7 +43,6 @@ fn study(size: Size) -> Result<Study, StudyError> {
         Column::rounded("residual [m/s], the middle one", 1, 1e-10),
         Column::rounded("the worst", 1, 1e-10),
         Column::rounded("200 sweeps alone, the middle one", 1, 1e-10),
-        Column::volatile("the middle time [s]"),
     ]);
     let axes = (Axis::log("largest ratio of masses", ""), Axis::linear("part not settled", ""));
     let mut chart = Lines::new("Chains that no method settles to 1e-10 m/s", axes.0, axes.1);
@@ -55,14 +52,12 @@ fn study(size: Size) -> Result<Study, StudyError> {
         for spread in SPREADS {
             let ratio = 10.0_f64.powf(2.0 * spread);
             let (mut methods, mut unsettled) = ([0_u64; 4], 0_u64);
-            let [mut systems, mut residuals, mut swept, mut times] = [const { Vec::new() }; 4];
+            let [mut systems, mut residuals, mut swept] = [const { Vec::new() }; 3];
             for k in 0..count {
                 let name = format!("joints-{k}");
                 let problem = FrictionProblem::of_joints(name, boxes, spread, &mut random)
                     .map_err(StudyError::at("a chain"))?;
-                let clock = Instant::now();
                 let (x, report) = problem.solve(SETTLED).map_err(StudyError::at("a chain"))?;
-                times.push(clock.elapsed().as_secs_f64());
                 let residual = problem.residual(&x);
                 match report.settled {
                     true => methods[report.method as usize] += 1,
@@ -84,8 +79,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
             let mut cells = vec![(boxes as u64).into(), ratio.into()];
             cells.extend(methods.map(Into::into));
             cells.push(unsettled.into());
-            let [systems, residual, swept, time] = [systems, residuals, swept, times].map(middle);
-            cells.extend([systems, residual, worst, swept, time].map(Into::into));
+            let [systems, residual, swept] = [systems, residuals, swept].map(middle);
+            cells.extend([systems, residual, worst, swept].map(Into::into));
             table.push(cells);
         }
         chart = chart.with(Series::new(&format!("{boxes} boxes"), curve));
