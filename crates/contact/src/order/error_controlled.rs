@@ -34,19 +34,21 @@
 //! Source: Hairer, Norsett and Wanner 1993, II.4 (step doubling, extrapolated); Kurtz and Castro 2025 (step
 //! doubling with a convex contact solve).
 
-use stationary_calculus::{Covector, Metric, Potential, Vector};
-use stationary_constraints::RowLaw;
+mod accept;
+mod attempt;
+
+use stationary_calculus::{Covector, Potential, Vector};
 use stationary_integrators::{State, StepError};
 
+use self::attempt::Within;
 use crate::error::check_time;
-use crate::order::event::{Event, EventKind};
-use crate::order::flight::{Flies, chord};
+use crate::order::event::Event;
+use crate::order::flight::Flies;
 use crate::order::ledger::{Ledger, OF_CONTACT};
-use crate::order::pieces::{Motion, Pieces, between};
-use crate::order::pushing::{Pushing, Seen};
+use crate::order::pieces::{Pieces, between};
+use crate::order::pushing::Seen;
 use crate::order::step_forces::StepForces;
-use crate::solve::body_state::speed;
-use crate::{ContactError, Dimension, JointRows, Touch, World, WorldReport};
+use crate::{ContactError, JointRows, Touch, World};
 
 /// The most steps in one call, rejected ones counted too.
 pub const STEPS: usize = 1_000_000;
@@ -116,27 +118,6 @@ pub struct ErrorControlled<G: Flies, P> {
     halves: State<Vec<f64>>,
     /// Where bodies are after the first half.
     middle: Vec<f64>,
-}
-
-/// What happens within a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Within {
-    Smooth,
-    /// Slip starts, ends or turns.
-    SlipChanges,
-    /// A gap closes, something hits, or other surfaces push than before.
-    Meets,
-}
-
-/// A step that was tried.
-struct Tried {
-    off: f64,
-    within: Within,
-    settled: bool,
-    /// Whether a gap closed, or anything hit and bounced, and the energy that this took, J.
-    hits: bool,
-    impacts: bool,
-    impact_energy: f64,
 }
 
 impl<G: Flies, P: Potential> ErrorControlled<G, P> {
@@ -335,186 +316,4 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         self.length = Some(length);
         Ok(report)
     }
-
-    /// One step of `h` and two of half of it, from where the state is.
-    fn attempt(
-        &mut self,
-        h: f64,
-        joints: &impl JointRows,
-        forces: &mut impl StepForces,
-        report: &mut ErrorControlledReport,
-    ) -> Result<Tried, ContactError> {
-        self.whole.clone_from(&self.now);
-        self.halves.clone_from(&self.now);
-        let jumps = forces.jumps(self.now.t);
-        let mut tried = Tried {
-            off: 0.0,
-            within: if jumps { Within::Meets } else { Within::Smooth },
-            settled: true,
-            hits: jumps,
-            impacts: false,
-            impact_energy: 0.0,
-        };
-        let slow = SHARE * self.accuracy / self.horizon;
-        for k in 0..3 {
-            let (of, length) =
-                if k == 0 { (&mut self.whole, h) } else { (&mut self.halves, 0.5 * h) };
-            forces.prepare(of, length);
-            self.start.clone_from(of);
-            let mut done = self.world.step_under(of, length, joints, &*forces)?;
-            self.world.settle_joints(of, joints, &mut done)?;
-            report.world_steps += 1;
-            report.solves += work(&done);
-            if k == 1 {
-                self.middle.clone_from(&self.halves.q);
-            }
-            if k > 0 {
-                tried.settled &= done.settled;
-                tried.impacts |= done.impacts > 0;
-                tried.impact_energy += done.impact_energy;
-                self.touches[k - 1].clear();
-                self.touches[k - 1].extend(self.world.touches().filter(pushes));
-            }
-            self.find_works(k, &done, forces);
-            self.seen[k].look(&self.world, length);
-            if done.impacts > 0 || self.seen[k].closes(slow * length) {
-                tried.within = Within::Meets;
-                tried.hits = true;
-            }
-        }
-        // The start belongs to the step as well: what just came to touch is no smooth motion.
-        if !self.seen.iter().all(|seen| seen.pushes_as(&self.last)) {
-            tried.within = Within::Meets;
-        } else if tried.within == Within::Smooth
-            && !self.seen.iter().all(|seen| seen.rubs_as(&self.last))
-        {
-            tried.within = Within::SlipChanges;
-        }
-        self.difference.copy_from(self.halves.p.view());
-        self.difference.add_scaled(-1.0, self.now.p.view());
-        self.world.system().metric().sharp(self.difference.view(), self.rates.view_mut());
-        tried.off = self.seen.iter().map(|seen| seen.early).fold(0.0, f64::max);
-        let horizon = if tried.within == Within::SlipChanges { self.horizon } else { 0.0 };
-        for body in 0..self.world.detector().bodies() {
-            if self.world.is_obstacle(body) {
-                continue;
-            }
-            let radius = self.world.detector().radius_of(body);
-            let far = |a: &G::Motion, b: &G::Motion| {
-                let [apart, angle] = G::apart(a, b);
-                apart + radius * angle
-            };
-            let [whole, halves, middle] =
-                [&self.whole.q, &self.halves.q, &self.middle].map(|q| G::pose(q, body));
-            let between = chord::<G>(&self.now.q, &self.halves.q, body)?.at(0.5);
-            let rates = &self.rates.0[G::FREEDOMS * body..][..G::FREEDOMS];
-            let faster = horizon * speed::<G>(rates, radius);
-            tried.off = tried.off.max(far(&whole, &halves)).max(far(&between, &middle)).max(faster);
-        }
-        Ok(tried)
-    }
-
-    /// Writes the works of the world's last step.
-    fn find_works(&mut self, k: usize, done: &WorldReport, forces: &impl StepForces) {
-        let works = &mut self.works[k];
-        works.clear();
-        works.extend([-done.friction_energy, -done.impact_energy, done.work, done.lifting_energy]);
-        works.push(-done.joint_friction_energy);
-        works.push(done.joint_friction_energy - done.joint_energy);
-        works.resize(self.acting, 0.0);
-        let (rows, impulses) = self.world.joint_rows();
-        let equalities = rows.blocks().filter(|(law, _)| *law == RowLaw::Equality);
-        works.extend(equalities.filter_map(|(_, block)| impulses.get(block.start)));
-        let of_forces = &mut works[OF_CONTACT..self.acting];
-        if of_forces.is_empty() {
-            return;
-        }
-        let [before, after] = self.world.velocities();
-        self.mean.copy_from(before);
-        self.mean.add_scaled(1.0, after);
-        self.mean.0.iter_mut().for_each(|v| *v *= 0.5);
-        let after = if k == 0 { &self.whole } else { &self.halves };
-        forces.add_works([&self.start, after], self.mean.view(), of_forces);
-    }
-
-    /// Gives what extrapolation adds to the impulse of two surfaces to where they push hardest at last.
-    fn extrapolate_touches(&mut self) {
-        let [whole, first, second] = &self.seen;
-        let pairs = whole.pairs.iter().zip(&first.pairs).zip(&second.pairs);
-        for ((whole, first), second) in pairs {
-            let beyond = first.impulse + second.impulse - whole.impulse;
-            let of_pair =
-                self.touches[1].iter_mut().filter(|t| t.contact.id.colliders == second.colliders);
-            if let Some(touch) = of_pair.max_by(|a, b| a.normal.total_cmp(&b.normal)) {
-                let along = G::dot(&beyond, &touch.contact.normal);
-                touch.normal += along;
-                touch.friction = touch.friction + beyond - touch.contact.normal * along;
-            }
-        }
-    }
-
-    /// Takes the step that was tried.
-    fn accept(
-        &mut self,
-        (h, end): (f64, f64),
-        tried: &Tried,
-        joints: &impl JointRows,
-        report: &mut ErrorControlledReport,
-    ) -> Result<(), ContactError> {
-        let smooth = tried.within == Within::Smooth;
-        let motion = if tried.hits { Motion::Straight } else { Motion::Even };
-        self.pieces.push(&self.now, motion);
-        let t = if h == end - self.now.t { end } else { self.now.t + h };
-        if smooth {
-            self.extrapolate_touches();
-        }
-        let works = self.works.each_ref().map(Vec::as_slice);
-        let touches = self.touches.iter().flatten().copied();
-        self.ledger.push((self.now.t, t), [motion == Motion::Even, smooth], works, touches);
-        self.now.clone_from(&self.halves);
-        self.now.t = t;
-        if smooth {
-            report.extrapolated += 1;
-            for body in 0..self.world.detector().bodies() {
-                let beyond = chord::<G>(&self.whole.q, &self.halves.q, body)?.at(2.0);
-                let q = &mut self.now.q[G::STORED * body..][..G::STORED];
-                q.copy_from_slice(G::numbers(&beyond).as_ref());
-            }
-            self.now.p.add_scaled(1.0, self.halves.p.view());
-            self.now.p.add_scaled(-1.0, self.whole.p.view());
-            // By fourth order in the step: no work to tell.
-            report.settled &= self.world.close_joints(&mut self.now, joints)?;
-        }
-        report.steps += 1;
-        report.shortest = report.shortest.min(h);
-        report.longest = report.longest.max(h);
-        report.off += tried.off;
-        report.settled &= tried.settled;
-        let mut note = |kind, bodies, energy| {
-            self.events.push(Event { time: t, kind, bodies, energy });
-        };
-        if tried.impacts {
-            note(EventKind::Impact, [None; 2], tried.impact_energy);
-        }
-        let [.., last] = &self.seen;
-        let (last, before) = (&last.pairs, &self.last.pairs);
-        let among =
-            |of: &[Pushing<G>], one: &Pushing<G>| of.iter().any(|x| x.colliders == one.colliders);
-        for one in last.iter().filter(|one| !among(before, one)) {
-            note(EventKind::ContactStarts, one.bodies, 0.0);
-        }
-        for one in before.iter().filter(|one| !among(last, one)) {
-            note(EventKind::ContactEnds, one.bodies, 0.0);
-        }
-        std::mem::swap(&mut self.last, &mut self.seen[2]);
-        Ok(())
-    }
-}
-
-fn pushes<G: Dimension>(touch: &Touch<G>) -> bool {
-    touch.normal > 0.0 || touch.impact > 0.0
-}
-
-fn work(done: &WorldReport) -> usize {
-    done.relaxed + done.solved + done.projected + done.impacts
 }
