@@ -67,6 +67,7 @@ impl Impact {
     }
 
     /// Other contacts that do not bounce, in the same memory.
+    #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn refill(
         &mut self,
         mass: &InverseMass,

@@ -26,6 +26,7 @@ pub(crate) enum Outline {
     /// The same, the length that of the straight part.
     Capsule([f64; 2]),
     /// Of these half axes.
+    #[cfg(feature = "mjcf")]
     Ellipsoid([f64; 3]),
 }
 
@@ -95,6 +96,7 @@ impl Part {
             Outline::Capsule([length, radius]) => {
                 Body::solid_capsule(own.mass, 0.5 * length, radius)
             }
+            #[cfg(feature = "mjcf")]
             Outline::Ellipsoid(half) => Body::solid_ellipsoid(own.mass, half),
         };
         let solid = piece(&solid.ok()?).moved(&pose);
@@ -125,6 +127,7 @@ pub(crate) enum Kind {
     Slider {
         axis: Vector3<f64>,
     },
+    #[cfg(feature = "mjcf")]
     Fixed,
 }
 

@@ -43,6 +43,7 @@ fn shape(outline: &Outline) -> String {
         Outline::Ball(radius) => format!("ball = {radius:?}"),
         Outline::Cylinder(size) => format!("cylinder = {}", long(size)),
         Outline::Capsule(size) => format!("capsule = {}", long(size)),
+        #[cfg(feature = "mjcf")]
         Outline::Ellipsoid(half) => format!("ellipsoid = {}", numbers(*half)),
     }
 }
@@ -74,6 +75,7 @@ fn joint(link: &Link) -> String {
         Kind::Ball => ("ball", None),
         Kind::Hinge { axis, .. } => ("hinge", Some(axis)),
         Kind::Slider { axis } => ("slider", Some(axis)),
+        #[cfg(feature = "mjcf")]
         Kind::Fixed => ("fixed", None),
     };
     let _ = writeln!(out, "kind = \"{kind}\"\nbetween = [{}, {}]", quoted(first), quoted(second));

@@ -320,6 +320,7 @@ impl CoupledRows {
     }
 
     /// One of Newton's steps from rates that are known better than by the compliance; says whether it was taken.
+    #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn refine(&mut self, x: &mut [f64], rates: impl Iterator<Item = f64>) -> bool {
         self.rows.rates.clear();
         self.rows.rates.extend(rates);

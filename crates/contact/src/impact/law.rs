@@ -115,6 +115,7 @@ impl ImpactLaw {
     }
 
     /// The same where an approach of up to `still`, m/s, is rest.
+    #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn apply_down_to(
         self,
         impact: &Impact,

@@ -11,7 +11,6 @@
 use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
-use nalgebra::{Vector2, Vector3};
 use stationary_calculus::array;
 
 use crate::solve::body_state::BodyState;
@@ -21,7 +20,7 @@ use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
-use crate::{ContactError, ContactIn, Dimension, Planar, Spatial, WorldReport};
+use crate::{ContactError, ContactIn, Dimension, WorldReport};
 
 /// What solves the contacts of one island after another. There is one; the trait is how a dimension
 /// names it with its numbers of freedoms and directions.
@@ -184,8 +183,10 @@ macro_rules! solves_islands {
     };
 }
 
-solves_islands!(Planar, Vector2<f64>, 3, 2);
-solves_islands!(Spatial, Vector3<f64>, 6, 3);
+#[cfg(feature = "2d")]
+solves_islands!(crate::Planar, nalgebra::Vector2<f64>, 3, 2);
+#[cfg(feature = "3d")]
+solves_islands!(crate::Spatial, nalgebra::Vector3<f64>, 6, 3);
 
 impl<V, const F: usize, const D: usize> IslandSolver<V, F, D>
 where
