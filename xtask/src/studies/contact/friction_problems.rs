@@ -92,7 +92,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         chart = chart.with(Series::new(name, ratios.iter().enumerate().map(part)));
     }
     let axes = (Axis::log("time", "s"), Axis::log("residual", "m/s"));
-    let mut cost = Lines::new("Residual against time, problem by problem", axes.0, axes.1);
+    let mut cost = Lines::new("Residual against time", axes.0, axes.1);
     let names = METHODS.into_iter().chain(["Gauss-Seidel"]);
     for (name, points) in names.zip(points).filter(|(_, points)| !points.is_empty()) {
         cost = cost.with(Series::new(name, points).marked(Mark::Markers));
