@@ -102,8 +102,9 @@ fn study(size: Size) -> Result<Study, StudyError> {
         conclusion: format!(
             "Blocks, chains of balls, columns, packings, and boxes on joints with dry friction, the kinds of the \
              FCLIB collection; where corners touch, rows depend on each other. Coupled rows try Newton's method, \
-             then pivots, an interior point and sweeps, each where those before leave too much. They meet 1e-10 m/s on {:.0} of 100 \
-             problems; on {:.0} of 100 they do so before Gauss-Seidel meets 1e-4 (shown, not asserted).",
+             then pivots, an interior point and sweeps, each where those before leave too much. They meet \
+             1e-10 m/s on {:.0} of 100 problems; on {:.0} of 100 they do so before Gauss-Seidel meets 1e-4 \
+             (shown, not asserted).",
             100.0 * part,
             100.0 * faster as f64 / count as f64
         ),
