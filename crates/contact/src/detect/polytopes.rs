@@ -173,7 +173,7 @@ pub(crate) fn facing(
         }
     }
     let of_face = !matches!(axis.from, Source::Edges(..));
-    let missed = found.len() == start || of_face && least > axis.separation + AS_CLOSE * size;
+    let missed = found.len() == start || of_face && least > axis.separation + SHORT * size;
     if axis.separation > WIDE * size && least > axis.separation + SHORT * size {
         by_corners([a, b], &back, AS_CLOSE * size, [least, margin], found);
     } else if missed && axis.separation <= margin {
