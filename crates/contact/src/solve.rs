@@ -8,6 +8,7 @@ pub(crate) mod block_cholesky;
 pub(crate) mod grip;
 pub(crate) mod proximal;
 pub(crate) mod rolling;
+pub(crate) mod rolling_rows;
 pub(crate) mod sweeps;
 pub(crate) mod unsettled_parts;
 pub(crate) mod exact_projection;

@@ -46,6 +46,7 @@ pub(crate) mod warm_start;
 pub(crate) mod clearance;
 pub(crate) mod contact_cache;
 pub(crate) mod resting;
+mod rolling;
 pub(crate) mod painleve;
 mod standing;
 pub(crate) mod push_apart;

@@ -14,7 +14,7 @@ use stationary_constraints::RowLaw;
 use crate::coupled::interior_point::InteriorPoint;
 use crate::coupled::lemke::Lemke;
 use crate::coupled::reduced_rows::ReducedRows;
-use crate::coupled::row_laws::{Left, RowLaws};
+use crate::coupled::row_laws::{BlockLaw, Left, RowLaws};
 use crate::coupled::set_equations::{Judging, SetEquations};
 
 /// The most steps of Newton's method. Sets that change still after these go in circles.
@@ -103,13 +103,28 @@ impl CoupledRows {
 
     /// Appends a block, by the rates of its rows before any impulse.
     pub(crate) fn push(&mut self, law: RowLaw, free: impl IntoIterator<Item = f64>) {
-        self.rows.push(law, free);
+        self.rows.push(law.into(), free);
+    }
+
+    /// Appends the rows of moments that go so far as a part of the impulse of another row.
+    pub(crate) fn push_disc(
+        &mut self,
+        normal: usize,
+        part: f64,
+        free: impl IntoIterator<Item = f64>,
+    ) {
+        self.rows.push(BlockLaw::Disc { normal, part }, free);
     }
 
     /// Takes the compliance between each row and those from it on, written in the place of zeros.
     pub(crate) fn couple(&mut self, write: impl FnMut(usize, &mut [f64])) {
         self.rows.couple(write);
         self.equations.forget();
+    }
+
+    /// Takes impulses to admissible ones.
+    pub(crate) fn admit(&self, x: &mut [f64]) {
+        self.rows.admit(x);
     }
 
     /// Solves the rows from a guess of their impulses until no more than `enough` (m/s) is left, or as
@@ -138,7 +153,7 @@ impl CoupledRows {
     /// The same without sweeps.
     pub(crate) fn solve_by_sets(&mut self, x: &mut [f64], enough: f64) -> Solved {
         self.equal.clear();
-        let equal = self.rows.blocks().filter(|(law, _)| *law == RowLaw::Equality);
+        let equal = self.rows.blocks().filter(|(law, _)| *law == BlockLaw::Equality);
         self.equal.extend(equal.flat_map(|(_, rows)| rows));
         self.hold(x);
         let (mut least, mut systems) = self.newton_by(TRIES[0], x, enough);
@@ -214,7 +229,10 @@ impl CoupledRows {
     /// The same by what an interior point leads to. Says what is left, and how many systems were solved.
     fn go_inside(&mut self, x: &mut [f64], enough: f64) -> (f64, usize) {
         let (mut least, mut solved) = (self.rows.left(x).worst(), 0);
-        if self.rows.work() > INSIDE_WORK || !self.interior.start(&self.rows) {
+        // Moments double the rows of a contact.
+        let rolls = self.rows.laws.iter().any(|law| law.normals() == 0);
+        let most = if rolls { 8 * INSIDE_WORK } else { INSIDE_WORK };
+        if self.rows.work() > most || !self.interior.start(&self.rows) {
             return (least, solved);
         }
         let mut from = std::mem::take(&mut self.inside);

@@ -3,23 +3,22 @@
 //! ```text
 //! limit      y = x,            z = u
 //! cone       y = (m x_n, x_t), z = (u_n/m + |u_t|, u_t)          both in the cone y_0 >= |y_1..|
+//! moment     another y_1.. and z beside the same y_0:  the shares z_0 of one normal add up, and so do |u_t| and |u_r|
 //! bounded    y = x,            z - z' = u,  z (b + y) = z' (b - y) = mu
 //! W y + o + |u_t| e = z,       y o z = mu 1                      from mu large to mu = 0
 //!
 //! (W + D + H) dy = mu y^-1 - (W y + o + |u_t| e),    dz = mu y^-1 - z - H dy,    H y = z
 //! ```
-//! `m` the friction coefficient, `D` the differential of `|u_t|`, or nothing where a step by it leaves the cones at once,
-//! `H` the scaling of Nesterov and Todd. Coulomb's law is the complementarity of these two cones. No set is chosen on the
+//! `m` the friction coefficient, `u_r` the rates of a moment, `D` the differential of `|u_t|`, or nothing where a step by
+//! it leaves the cones at once, `H` the scaling of Nesterov and Todd. Coulomb's law is the complementarity of these cones. No set is chosen on the
 //! way, so that none can go in circles: where many corners rub at their reach, what comes is in the middle of all
 //! answers, and near enough for Newton's method. Source: De Saxce and Feng 1998 (the cones); Nesterov and Todd 1998;
 //! Acary, Cadoux, Lemarechal and Malick 2011 (friction).
 
 use std::ops::Range;
 
-use stationary_constraints::RowLaw;
-
 use crate::coupled::dense_factor::DenseFactor;
-use crate::coupled::row_laws::{RowLaws, size};
+use crate::coupled::row_laws::{BlockLaw, RowLaws, size};
 
 /// The most steps.
 const STEPS: usize = 100;
@@ -33,7 +32,8 @@ const SHORTEST: f64 = 1e-8;
 /// What equalities and bounded rows give way by, relative to their own compliance, so that redundant ones have a factor.
 const SOFTNESS: f64 = 1e-13;
 
-/// The impulses and rates of a row, their steps, and those of the upper bound of a bounded one.
+/// The impulses and rates of a row, their steps, and those of the upper bound of a bounded one, or of the share of a
+/// moment in the rates of its normal.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pair {
     y: f64,
@@ -50,7 +50,20 @@ enum Form {
     Free,
     HalfLine,
     Circle,
+    /// A circle about an impulse of another block, of this row.
+    Beside(usize),
     Between(f64),
+}
+
+impl Form {
+    /// The row of a circle's middle, and those across.
+    fn around(self, block: &Range<usize>) -> Option<(usize, Range<usize>)> {
+        match self {
+            Form::Circle => Some((block.start, block.start + 1..block.end)),
+            Form::Beside(normal) => Some((normal, block.clone())),
+            Form::Free | Form::HalfLine | Form::Between(_) => None,
+        }
+    }
 }
 
 /// Rows in their variables, and the memory of the steps.
@@ -83,16 +96,24 @@ impl InteriorPoint {
             let first = block.start;
             let mut form = Form::HalfLine;
             match law {
-                RowLaw::Equality => form = Form::Free,
-                RowLaw::Bounded(0.0) => continue,
-                RowLaw::Bounded(bound) => form = Form::Between(bound / rows.scale[first]),
-                RowLaw::Cone(m) if block.len() > 1 && m > 0.0 => form = Form::Circle,
-                RowLaw::Limit | RowLaw::Cone(_) => {}
+                BlockLaw::Equality => form = Form::Free,
+                BlockLaw::Bounded(0.0) => continue,
+                BlockLaw::Bounded(bound) => form = Form::Between(bound / rows.scale[first]),
+                BlockLaw::Cone(m) if block.len() > 1 && m > 0.0 => form = Form::Circle,
+                BlockLaw::Disc { part: 0.0, .. } => continue,
+                BlockLaw::Disc { normal, .. } => form = Form::Beside(normal),
+                BlockLaw::Limit | BlockLaw::Cone(_) => {}
             }
-            let block = if form == Form::Circle { block } else { first..first + 1 };
+            let around = matches!(form, Form::Circle | Form::Beside(_));
+            let block = if around { block } else { first..first + 1 };
             scale[block.clone()].copy_from_slice(&rows.scale[block.clone()]);
-            if let (RowLaw::Cone(m), Form::Circle) = (law, form) {
-                scale[first] = rows.scale[first + 1] / m;
+            match law {
+                BlockLaw::Cone(m) if around => scale[first] = rows.scale[first + 1] / m,
+                BlockLaw::Disc { normal, part } => {
+                    let own = part * scale[normal];
+                    scale[block.clone()].fill(own);
+                }
+                _ => {}
             }
             blocks.push((form, block));
         }
@@ -104,6 +125,7 @@ impl InteriorPoint {
             match form {
                 Form::Free => {}
                 Form::HalfLine | Form::Circle => (pair.y, pair.z) = (start, start),
+                Form::Beside(_) => pair.upper = start,
                 Form::Between(_) => (pair.z, pair.upper) = (start, start),
             }
         }
@@ -172,6 +194,11 @@ impl InteriorPoint {
                     sum += pairs.iter().map(|pair| pair.y * pair.z).sum::<f64>();
                     edges += 1.0;
                 }
+                Form::Beside(normal) => {
+                    let across = pairs.iter().map(|pair| pair.y * pair.z).sum::<f64>();
+                    sum += self.pairs[normal].y * pairs[0].upper + across;
+                    edges += 1.0;
+                }
                 Form::Between(bound) => {
                     let Pair { y, z, upper, .. } = pairs[0];
                     sum += (bound + y) * z + (bound - y) * upper;
@@ -190,8 +217,8 @@ impl InteriorPoint {
         add_answers(rows, scale, pairs.iter().map(|pair| pair.y), rates);
         rates.iter_mut().zip(&*scale).for_each(|(rate, scale)| *rate *= scale);
         for (form, block) in &*blocks {
-            if *form == Form::Circle {
-                rates[block.start] += size(rates[block.start + 1..block.end].iter().copied());
+            if let Some((normal, across)) = form.around(block) {
+                rates[normal] += size(rates[across].iter().copied());
             }
         }
     }
@@ -200,8 +227,7 @@ impl InteriorPoint {
     fn find_turning(&mut self) {
         self.turning.clear();
         self.turning.resize(self.rates.len(), 0.0);
-        for (_, block) in self.blocks.iter().filter(|(form, _)| *form == Form::Circle) {
-            let across = block.start + 1..block.end;
+        for (_, across) in self.blocks.iter().filter_map(|(form, block)| form.around(block)) {
             let length = size(self.rates[across.clone()].iter().copied());
             for row in across.filter(|_| length > 0.0) {
                 self.turning[row] = self.rates[row] / length;
@@ -234,19 +260,19 @@ impl InteriorPoint {
                     self.factor.line(first)[first] +=
                         SOFTNESS + z / (bound + y) + upper / (bound - y);
                 }
-                Form::Circle => {
-                    for across in first + 1..block.end {
-                        let compliance = rows.compliance[n * across..].iter().zip(&self.scale);
-                        let part = self.turning[across] * self.scale[across];
-                        for (to, (w, scale)) in self.factor.line(first).iter_mut().zip(compliance) {
-                            *to += part * w * scale;
-                        }
+                Form::Circle | Form::Beside(_) => {
+                    let Some((normal, across)) = form.around(block) else { continue };
+                    for row in across.clone() {
+                        let compliance = rows.compliance[n * row..].iter().zip(&self.scale);
+                        let part = self.turning[row] * self.scale[row];
+                        let line = self.factor.line(normal).iter_mut();
+                        line.zip(compliance).for_each(|(to, (w, scale))| *to += part * w * scale);
                     }
-                    for (row, line) in scaling(&self.pairs[block.clone()]).iter().enumerate() {
-                        if row < block.len() {
-                            let to = &mut self.factor.line(first + row)[block.clone()];
-                            to.iter_mut().zip(line).for_each(|(to, h)| *to += h);
-                        }
+                    let h = scaling(circle(&self.pairs, *form, block));
+                    let places = || std::iter::once(normal).chain(across.clone());
+                    for (row, h) in places().zip(h) {
+                        let line = self.factor.line(row);
+                        places().zip(h).for_each(|(column, h)| line[column] += h);
                     }
                 }
             }
@@ -265,12 +291,11 @@ impl InteriorPoint {
                 Form::Free => {}
                 Form::HalfLine => self.right[first] += mu / y,
                 Form::Between(bound) => self.right[first] += mu / (bound + y) - mu / (bound - y),
-                Form::Circle => {
-                    let part = mu / inside(self.pairs[block.clone()].iter().map(|pair| pair.y));
-                    self.right[first] += part * y;
-                    for row in first + 1..block.end {
-                        self.right[row] -= part * self.pairs[row].y;
-                    }
+                Form::Circle | Form::Beside(_) => {
+                    let Some((normal, across)) = form.around(block) else { continue };
+                    let part = mu / inside(circle(&self.pairs, *form, block).map(|pair| pair.y));
+                    self.right[normal] += part * self.pairs[normal].y;
+                    across.for_each(|row| self.right[row] -= part * self.pairs[row].y);
                 }
             }
         }
@@ -280,10 +305,26 @@ impl InteriorPoint {
         self.change.resize(self.right.len(), 0.0);
         add_answers(rows, &self.scale, self.right.iter().copied(), &mut self.change);
         self.change.iter_mut().zip(&self.scale).for_each(|(change, scale)| *change *= scale);
+        for (normal, across) in self.blocks.iter().filter_map(|(form, block)| form.around(block)) {
+            let turned = across.map(|row| self.turning[row] * self.change[row]);
+            self.change[normal] += turned.sum::<f64>();
+        }
         for index in 0..self.blocks.len() {
             let (form, block) = self.blocks[index].clone();
             match form {
                 Form::Free => {}
+                Form::Beside(normal) => {
+                    let circle = circle(&self.pairs, form, &block);
+                    let h = scaling(circle.clone())[0];
+                    let aim = mu * self.pairs[normal].y / inside(circle.clone().map(|pair| pair.y));
+                    let pulled: f64 = circle.zip(h).map(|(pair, h)| h * pair.dy).sum();
+                    let upper = self.pairs[block.start].upper;
+                    self.pairs[block.start].d_upper = aim - upper - pulled;
+                    self.pairs[normal].dz -= aim - pulled;
+                    for row in block {
+                        self.pairs[row].dz = self.rates[row] + self.change[row] - self.pairs[row].z;
+                    }
+                }
                 Form::Between(bound) => {
                     let Pair { y, z, upper, dy, .. } = self.pairs[block.start];
                     let pair = &mut self.pairs[block.start];
@@ -291,9 +332,6 @@ impl InteriorPoint {
                     pair.d_upper = (mu + upper * dy) / (bound - y) - upper;
                 }
                 Form::HalfLine | Form::Circle => {
-                    let turned = (block.start + 1..block.end)
-                        .map(|row| self.turning[row] * self.change[row]);
-                    self.change[block.start] += turned.sum::<f64>();
                     // As exact as the equations were solved.
                     for row in block {
                         self.pairs[row].dz = self.rates[row] + self.change[row] - self.pairs[row].z;
@@ -317,13 +355,30 @@ impl InteriorPoint {
                     .min(to_zero(bound - y, -dy))
                     .min(to_zero(z, dz))
                     .min(to_zero(upper, d_upper)),
-                Form::Circle => reach
-                    .min(to_edge(pairs.iter().map(|pair| [pair.y, pair.dy])))
-                    .min(to_edge(pairs.iter().map(|pair| [pair.z, pair.dz]))),
+                Form::Circle | Form::Beside(_) => {
+                    let circle = circle(&self.pairs, *form, block);
+                    reach
+                        .min(to_edge(circle.clone().map(|pair| [pair.y, pair.dy])))
+                        .min(to_edge(circle.map(|pair| [pair.z, pair.dz])))
+                }
             };
         }
         reach
     }
+}
+
+/// The pairs of a circle, its middle first: of a moment that of its normal, with its own share of the rates.
+fn circle<'a>(
+    pairs: &'a [Pair],
+    form: Form,
+    block: &Range<usize>,
+) -> impl Iterator<Item = Pair> + Clone + use<'a> {
+    let (normal, across) = form.around(block).unwrap_or((block.start, block.clone()));
+    let mut middle = pairs[normal];
+    if let Form::Beside(_) = form {
+        (middle.z, middle.dz) = (pairs[block.start].upper, pairs[block.start].d_upper);
+    }
+    std::iter::once(middle).chain(pairs[across].iter().copied())
 }
 
 /// Adds what impulses change of the rates of all rows.
@@ -342,10 +397,10 @@ fn inside(y: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 /// The symmetric matrix `H` of two points in the cone with `H y = z`: `|z|/|y| (2 w w^T - J)`.
-fn scaling(pairs: &[Pair]) -> [[f64; 3]; 3] {
-    let of_y = inside(pairs.iter().map(|pair| pair.y)).sqrt();
-    let of_z = inside(pairs.iter().map(|pair| pair.z)).sqrt();
-    let product: f64 = pairs.iter().map(|pair| pair.y / of_y * (pair.z / of_z)).sum();
+fn scaling(pairs: impl Iterator<Item = Pair> + Clone) -> [[f64; 3]; 3] {
+    let of_y = inside(pairs.clone().map(|pair| pair.y)).sqrt();
+    let of_z = inside(pairs.clone().map(|pair| pair.z)).sqrt();
+    let product: f64 = pairs.clone().map(|pair| pair.y / of_y * (pair.z / of_z)).sum();
     let length = (2.0 * (1.0 + product)).sqrt();
     let mut w = [0.0; 3];
     for (k, (w, pair)) in w.iter_mut().zip(pairs).enumerate() {

@@ -5,6 +5,7 @@
 //! limit     z = x,                  w = u
 //! bounded   z = (y, s),             w = (u + s, 2 b - y)                     x = y - b
 //! cone      z = (x_n, b_1.., s),    w = (u_n, e_k.u_t + s, mu x_n - sum b_k)   x_t = sum b_k e_k
+//! disc      z = (b_1.., s),         w as of a cone, x_n of another block
 //! ```
 //! `x` scaled impulses, `u` scaled rates, `e_k` directions across the normal and against each other, `s`
 //! the speed of sliding: in the plane that is Coulomb's law itself, in space a pyramid in the place of
@@ -13,9 +14,8 @@
 //! at an answer, or along a ray where there is none, as when something is crushed. Source: Lemke 1965;
 //! Stewart and Trinkle 1996, Anitescu and Potra 1997 (contact with friction).
 
-use stationary_constraints::RowLaw;
-
 use crate::coupled::reduced_rows::ReducedRows;
+use crate::coupled::row_laws::BlockLaw;
 
 /// Pivots, as multiples of the variables, after which it is given up.
 const PIVOTS: usize = 10;
@@ -73,7 +73,7 @@ impl Lemke {
             }
         }
         for (law, starts) in laws.iter().zip(starts.windows(2)) {
-            if let RowLaw::Bounded(bound) = law {
+            if let BlockLaw::Bounded(bound) = law {
                 x[starts[0]] -= bound;
             }
         }
@@ -85,13 +85,15 @@ impl Lemke {
         self.variables.clear();
         for (law, starts) in rows.laws.iter().zip(rows.starts.windows(2)) {
             let (first, end) = (starts[0], starts[1]);
-            self.variables.push(Variable::Impulse(first, 1.0));
+            if law.normals() > 0 {
+                self.variables.push(Variable::Impulse(first, 1.0));
+            }
             match law {
                 // What does not rub has no friction to choose.
-                RowLaw::Limit | RowLaw::Equality | RowLaw::Cone(0.0) => {}
-                RowLaw::Bounded(_) => self.variables.push(Variable::Sliding),
-                RowLaw::Cone(_) => {
-                    for row in first + 1..end {
+                BlockLaw::Limit | BlockLaw::Equality | BlockLaw::Cone(0.0) => {}
+                BlockLaw::Bounded(_) => self.variables.push(Variable::Sliding),
+                BlockLaw::Cone(_) | BlockLaw::Disc { .. } => {
+                    for row in first + law.normals()..end {
                         self.variables.push(Variable::Impulse(row, 1.0));
                         self.variables.push(Variable::Impulse(row, -1.0));
                     }
@@ -114,7 +116,7 @@ impl Lemke {
         // What bounds, pushed all the way, takes from the rates.
         let shift = |row: usize| -> f64 {
             let bounded = rows.laws.iter().zip(&rows.starts).map(|(law, &of)| match law {
-                RowLaw::Bounded(bound) => rows.compliance[n * row + of] * bound,
+                BlockLaw::Bounded(bound) => rows.compliance[n * row + of] * bound,
                 _ => 0.0,
             });
             bounded.sum()
@@ -137,18 +139,26 @@ impl Lemke {
                 place += 1;
             }
             match law {
-                RowLaw::Limit | RowLaw::Equality | RowLaw::Cone(0.0) => {}
-                RowLaw::Bounded(bound) => {
+                BlockLaw::Limit | BlockLaw::Equality | BlockLaw::Cone(0.0) => {}
+                BlockLaw::Bounded(bound) => {
                     self.tableau[width * begins + place] = -1.0;
                     self.tableau[width * place + begins] = 1.0;
                     self.tableau[width * place + width - 1] = 2.0 * bound / rows.scale[starts[0]];
                     place += 1;
                 }
-                RowLaw::Cone(friction) => {
-                    let normal = rows.scale[starts[0]];
-                    let across = rows.scale.get(starts[0] + 1).copied().unwrap_or(normal);
-                    self.tableau[width * place + begins] = -friction * normal / across;
-                    for tangent in begins + 1..place {
+                BlockLaw::Cone(part) | BlockLaw::Disc { part, .. } => {
+                    let mut normal = (starts[0], begins);
+                    if let BlockLaw::Disc { normal: row, .. } = *law {
+                        let is_it =
+                            |of: &Variable| matches!(of, Variable::Impulse(r, _) if *r == row);
+                        let Some(place) = self.variables.iter().position(is_it) else { continue };
+                        normal = (row, place);
+                    }
+                    let scale = rows.scale[normal.0];
+                    let across = rows.scale.get(starts[0] + law.normals()).copied();
+                    let across = across.unwrap_or(scale);
+                    self.tableau[width * place + normal.1] = -part * scale / across;
+                    for tangent in begins + law.normals()..place {
                         self.tableau[width * tangent + place] = -1.0;
                         self.tableau[width * place + tangent] = 1.0;
                     }

@@ -6,9 +6,7 @@
 //! An equality that depends on those before it takes no part. Of each cone of space the tangents may be turned, so
 //! that a pyramid in its place has an edge where friction is expected.
 
-use stationary_constraints::RowLaw;
-
-use crate::coupled::row_laws::RowLaws;
+use crate::coupled::row_laws::{BlockLaw, RowLaws};
 
 /// What is left of a row's own compliance, relative to it, where it depends on those before it.
 const DEPENDENT: f64 = 1e-10;
@@ -17,7 +15,7 @@ const DEPENDENT: f64 = 1e-10;
 /// of each.
 #[derive(Debug, Default)]
 pub(crate) struct ReducedRows {
-    pub(crate) laws: Vec<RowLaw>,
+    pub(crate) laws: Vec<BlockLaw>,
     pub(crate) starts: Vec<usize>,
     pub(crate) compliance: Vec<f64>,
     pub(crate) free: Vec<f64>,
@@ -43,7 +41,7 @@ impl ReducedRows {
         self.rates.clear();
         self.rates.extend_from_slice(&all.free);
         let n = all.rows();
-        for (_, block) in all.blocks().filter(|(law, _)| *law == RowLaw::Equality) {
+        for (_, block) in all.blocks().filter(|(law, _)| *law == BlockLaw::Equality) {
             let own = n * block.start + block.start;
             if self.left[own] > DEPENDENT * all.compliance[own] {
                 self.eliminate(block.start);
@@ -53,8 +51,14 @@ impl ReducedRows {
         self.starts.clear();
         self.starts.push(0);
         self.rows.clear();
-        for (law, block) in all.blocks().filter(|(law, _)| *law != RowLaw::Equality) {
-            self.laws.push(law);
+        for (law, block) in all.blocks().filter(|(law, _)| *law != BlockLaw::Equality) {
+            self.laws.push(match law {
+                // A cone is no equality, and comes before its discs.
+                BlockLaw::Disc { normal, part } => {
+                    BlockLaw::Disc { normal: self.rows.partition_point(|row| *row < normal), part }
+                }
+                law => law,
+            });
             self.rows.extend(block);
             self.starts.push(self.rows.len());
         }
@@ -88,8 +92,9 @@ impl ReducedRows {
         let ReducedRows { laws, starts, rows, compliance, free, scale, turns, .. } = self;
         let n = free.len();
         for (law, block) in laws.iter().zip(starts.windows(2)) {
-            let [a, b] = [block[0] + 1, block[0] + 2];
-            if !matches!(law, RowLaw::Cone(_)) || b >= block[1] {
+            let [a, b] = [block[0] + law.normals(), block[0] + law.normals() + 1];
+            let rubs = matches!(law, BlockLaw::Cone(_) | BlockLaw::Disc { .. });
+            if !rubs || b >= block[1] {
                 continue;
             }
             let own = scale[a] * scale[a];

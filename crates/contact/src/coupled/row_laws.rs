@@ -7,19 +7,61 @@
 //! bounded     |x - u/d| <= b  holds, u = 0     else      x = b sign(x - u/d)
 //! cone        its normal as a limit; where it pushes, with z = x_t - u_t/d
 //!             |z| <= mu x_n  sticks, u_t = 0   else      slides, x_t = mu x_n z/|z|
+//! moment      of a cone, as its tangents: |z| <= r x_n, z = x - u/d
 //! left = max_i |x_i - nearest(x_i - u_i/d_i)| d_i                                      m/s
 //! ```
-//! `x` impulses (N s), `u` what velocities lack (m/s), `d` the diagonal of `W` (1/kg), across a cone the
-//! largest eigenvalue of its tangents' block.
+//! `x` impulses (N s), `u` what velocities lack (m/s), `d` the diagonal of `W` (1/kg), across a cone and of a moment
+//! the largest eigenvalue of their block; moments and spins as forces and speeds at the end of a length.
 
 use std::ops::Range;
 
 use stationary_constraints::RowLaw;
 
+/// Which impulses a block of rows may give, if not that of another block has a say in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BlockLaw {
+    Equality,
+    Limit,
+    Bounded(f64),
+    Cone(f64),
+    /// In the disc whose radius is so many times the impulse of a row: the normal of a cone.
+    Disc {
+        normal: usize,
+        part: f64,
+    },
+}
+
+impl From<RowLaw> for BlockLaw {
+    fn from(law: RowLaw) -> Self {
+        match law {
+            RowLaw::Equality => BlockLaw::Equality,
+            RowLaw::Limit => BlockLaw::Limit,
+            RowLaw::Bounded(bound) => BlockLaw::Bounded(bound),
+            RowLaw::Cone(friction) => BlockLaw::Cone(friction),
+        }
+    }
+}
+
+impl BlockLaw {
+    /// How many of its rows are no friction.
+    pub(crate) fn normals(self) -> usize {
+        usize::from(!matches!(self, BlockLaw::Disc { .. }))
+    }
+
+    /// How far the friction of a block that begins with a row may go.
+    pub(crate) fn radius(self, x: &[f64], first: usize) -> f64 {
+        match self {
+            BlockLaw::Cone(friction) => friction * x[first],
+            BlockLaw::Disc { normal, part } => part * x[normal],
+            _ => 0.0,
+        }
+    }
+}
+
 /// Rows in blocks, and the compliance between each two.
 #[derive(Debug, Default)]
 pub(crate) struct RowLaws {
-    pub(crate) laws: Vec<RowLaw>,
+    pub(crate) laws: Vec<BlockLaw>,
     /// Where the rows of each block start, and the end of all.
     pub(crate) starts: Vec<usize>,
     /// The compliance between each two rows, 1/kg, and the rates before any impulse, m/s.
@@ -62,7 +104,7 @@ impl RowLaws {
     }
 
     /// Appends a block, by the rates of its rows before any impulse.
-    pub(crate) fn push(&mut self, law: RowLaw, free: impl IntoIterator<Item = f64>) {
+    pub(crate) fn push(&mut self, law: BlockLaw, free: impl IntoIterator<Item = f64>) {
         self.laws.push(law);
         self.free.extend(free);
         self.starts.push(self.free.len());
@@ -74,7 +116,7 @@ impl RowLaws {
     }
 
     /// Each block, and its rows.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = (RowLaw, Range<usize>)> {
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = (BlockLaw, Range<usize>)> {
         self.laws.iter().zip(self.starts.windows(2)).map(|(&law, ends)| (law, ends[0]..ends[1]))
     }
 
@@ -92,8 +134,8 @@ impl RowLaws {
         self.own.clear();
         self.own.extend((0..n).map(|i| self.compliance[n * i + i]));
         for (law, rows) in self.laws.iter().zip(self.starts.windows(2)) {
-            let (first, end) = (rows[0] + 1, rows[1]);
-            if let (RowLaw::Cone(_), true) = (law, first < end) {
+            let (first, end) = (rows[0] + law.normals(), rows[1]);
+            if let (BlockLaw::Cone(_) | BlockLaw::Disc { .. }, true) = (law, first < end) {
                 let [xx, yy] = [self.own[first], self.own[end - 1]];
                 let xy = if end - first > 1 { self.compliance[n * first + end - 1] } else { 0.0 };
                 let half = 0.5 * (xx - yy);
@@ -136,21 +178,24 @@ impl RowLaws {
         let mut left = Left::default();
         for (law, rows) in self.blocks() {
             let [u, own] = [&self.rates, &self.own].map(|list| &list[rows.clone()]);
+            let radius = law.radius(x, rows.start);
             let x = &x[rows];
             let wanted = |k: usize| if own[k] > 0.0 { x[k] - u[k] / own[k] } else { x[k] };
             match law {
-                RowLaw::Equality => left.normal = worse(left.normal, u[0]),
-                RowLaw::Limit => left.normal = worse(left.normal, u[0].min(own[0] * x[0])),
-                RowLaw::Bounded(bound) => {
+                BlockLaw::Equality => left.normal = worse(left.normal, u[0]),
+                BlockLaw::Limit => left.normal = worse(left.normal, u[0].min(own[0] * x[0])),
+                BlockLaw::Bounded(bound) => {
                     let off = (x[0] - wanted(0).clamp(-bound, bound)) * own[0];
                     left.friction = worse(left.friction, off);
                 }
-                RowLaw::Cone(friction) => {
-                    left.normal = worse(left.normal, u[0].min(own[0] * x[0]));
-                    let length = size((1..x.len()).map(wanted));
-                    let radius = friction * x[0];
+                BlockLaw::Cone(_) | BlockLaw::Disc { .. } => {
+                    let first = law.normals();
+                    if first > 0 {
+                        left.normal = worse(left.normal, u[0].min(own[0] * x[0]));
+                    }
+                    let length = size((first..x.len()).map(wanted));
                     let part = if length > radius { radius / length } else { 1.0 };
-                    let off = (1..x.len()).map(|k| (x[k] - part * wanted(k)) * own[k]);
+                    let off = (first..x.len()).map(|k| (x[k] - part * wanted(k)) * own[k]);
                     left.friction = worse(left.friction, size(off));
                 }
             }
@@ -161,14 +206,15 @@ impl RowLaws {
     /// Takes impulses to admissible ones: friction within what pushes.
     pub(crate) fn admit(&self, x: &mut [f64]) {
         for (law, rows) in self.blocks() {
-            let x = &mut x[rows];
-            let RowLaw::Cone(friction) = law else {
-                law.nearest(x);
-                continue;
-            };
-            let [normal, across @ ..] = x else { continue };
-            *normal = normal.max(0.0);
-            let radius = friction * *normal;
+            let first = rows.start;
+            match law {
+                BlockLaw::Equality => continue,
+                BlockLaw::Bounded(bound) => x[first] = x[first].max(-bound).min(bound),
+                BlockLaw::Limit | BlockLaw::Cone(_) => x[first] = x[first].max(0.0),
+                BlockLaw::Disc { .. } => {}
+            }
+            let radius = law.radius(x, first);
+            let across = &mut x[first + law.normals()..rows.end];
             let length = size(across.iter().copied());
             if length > radius {
                 across.iter_mut().for_each(|x| *x *= radius / length);

@@ -7,9 +7,7 @@
 
 use std::ops::Range;
 
-use stationary_constraints::RowLaw;
-
-use crate::coupled::row_laws::{RowLaws, size};
+use crate::coupled::row_laws::{BlockLaw, RowLaws, size};
 
 impl RowLaws {
     /// Relaxes each block in turn, so many times: normals first, then friction within what they allow.
@@ -20,17 +18,17 @@ impl RowLaws {
                 let rows = self.starts[block]..self.starts[block + 1];
                 let law = self.laws[block];
                 let first = rows.start;
-                if self.own[first] > 0.0 {
+                if law.normals() > 0 && self.own[first] > 0.0 {
                     let wanted = x[first] - self.rates[first] / self.own[first];
                     let wanted = match law {
-                        RowLaw::Equality => wanted,
-                        RowLaw::Limit | RowLaw::Cone(_) => wanted.max(0.0),
-                        RowLaw::Bounded(bound) => wanted.clamp(-bound, bound),
+                        BlockLaw::Equality | BlockLaw::Disc { .. } => wanted,
+                        BlockLaw::Limit | BlockLaw::Cone(_) => wanted.max(0.0),
+                        BlockLaw::Bounded(bound) => wanted.clamp(-bound, bound),
                     };
                     self.change(x, first, wanted);
                 }
-                if let RowLaw::Cone(friction) = law {
-                    self.rub(x, first + 1..rows.end, friction * x[first]);
+                if matches!(law, BlockLaw::Cone(_) | BlockLaw::Disc { .. }) {
+                    self.rub(x, first + law.normals()..rows.end, law.radius(x, first));
                 }
             }
         }

@@ -10,10 +10,10 @@
 //! stay are factored once.
 //! Source: Alart and Curnier 1991.
 
-use stationary_constraints::RowLaw;
+use std::ops::Range;
 
 use crate::coupled::dense_factor::DenseFactor;
-use crate::coupled::row_laws::{RowLaws, size};
+use crate::coupled::row_laws::{BlockLaw, RowLaws, size};
 
 /// How far directions and turns of sliding may have moved since they were factored: each step with the old factor
 /// leaves about this part.
@@ -39,8 +39,9 @@ enum Set {
     Stops,
     /// Its normal is to stop, and nothing rubs.
     Presses,
-    /// Its normal is to stop, and friction is along `along`, `mu` times what pushes; it turns with rates by `turn`.
-    Slides { along: [f64; 2], mu: f64, turn: f64 },
+    /// Its normal is to stop, if it has one, and friction is along `along`, `mu` times what pushes along the row
+    /// `normal`; it turns with rates by `turn`.
+    Slides { normal: usize, along: [f64; 2], mu: f64, turn: f64 },
 }
 
 impl Set {
@@ -134,37 +135,37 @@ impl SetEquations {
         known.clear();
         let y = |row: usize| x[row] / scale[row];
         let wanted = |row: usize, part: f64| y(row) - part * rates[row] * scale[row];
+        let rubs = |(normal, part): (usize, f64), across: Range<usize>| {
+            // Friction in scaled impulses.
+            let mu = part * scale[normal] / scale[across.start];
+            let mut along = [0.0; 2];
+            along.iter_mut().zip(across).for_each(|(to, row)| *to = wanted(row, by.rubbing));
+            let (length, radius) = (size(along), mu * y(normal));
+            let along = along.map(|along| along / length);
+            match length > radius {
+                true => Set::Slides { normal, along, mu, turn: radius / length },
+                false => Set::Stops,
+            }
+        };
         for (law, block) in rows.blocks() {
-            let (first, across) = (block.start, block.start + 1..block.end);
+            let (first, across) = (block.start, block.start + law.normals()..block.end);
             let mut held = 0.0;
             let set = match law {
-                RowLaw::Equality => Set::Stops,
-                RowLaw::Bounded(bound) => {
+                BlockLaw::Equality => Set::Stops,
+                BlockLaw::Bounded(bound) => {
                     let (wanted, bound) = (wanted(first, by.rubbing), bound / scale[first]);
                     held = wanted.clamp(-bound, bound);
                     if wanted.abs() > bound || own[first] <= 0.0 { Set::Held } else { Set::Stops }
                 }
-                RowLaw::Limit | RowLaw::Cone(_) if wanted(first, by.pushing) <= 0.0 => Set::Held,
-                RowLaw::Limit => Set::Stops,
-                RowLaw::Cone(_) if across.is_empty() => Set::Stops,
-                RowLaw::Cone(0.0) => Set::Presses,
-                RowLaw::Cone(friction) => {
-                    let mut along = [0.0; 2];
-                    for (along, row) in along.iter_mut().zip(across) {
-                        *along = wanted(row, by.rubbing);
-                    }
-                    let length = size(along);
-                    // Friction in scaled impulses.
-                    let mu = friction * scale[first] / scale[first + 1];
-                    let radius = mu * y(first);
-                    match length > radius {
-                        true => {
-                            let along = along.map(|along| along / length);
-                            Set::Slides { along, mu, turn: radius / length }
-                        }
-                        false => Set::Stops,
-                    }
+                BlockLaw::Limit | BlockLaw::Cone(_) if wanted(first, by.pushing) <= 0.0 => {
+                    Set::Held
                 }
+                BlockLaw::Disc { normal, .. } if wanted(normal, by.pushing) <= 0.0 => Set::Held,
+                BlockLaw::Limit => Set::Stops,
+                BlockLaw::Cone(_) if across.is_empty() => Set::Stops,
+                BlockLaw::Cone(0.0) => Set::Presses,
+                BlockLaw::Cone(part) => rubs((first, part), across),
+                BlockLaw::Disc { normal, part } => rubs((normal, part), across),
             };
             let moves = match set {
                 Set::Held => 0,
@@ -187,24 +188,27 @@ impl SetEquations {
             let stops = match self.sets[block] {
                 Set::Held => continue,
                 Set::Stops => first..end,
-                Set::Presses | Set::Slides { .. } => first..first + 1,
+                Set::Presses | Set::Slides { .. } => first..first + rows.laws[block].normals(),
             };
-            let normal = own;
+            let slides = stops.end..end;
             for row in stops {
                 self.write_stop(rows, row, own, by.softness);
                 own += 1;
             }
-            let Set::Slides { along, mu, turn } = self.sets[block] else { continue };
-            for across in 0..end - first - 1 {
+            let Set::Slides { normal, along, mu, turn } = self.sets[block] else { continue };
+            // What presses stops, and is unknown.
+            let Ok(normal) = self.unknown.binary_search(&normal) else { continue };
+            let start = own;
+            for across in 0..slides.len() {
                 let line = self.factor.line(own);
                 line[normal] -= mu * along[across];
                 line[own] += 1.0;
-                for other in 0..end - first - 1 {
+                for (other, row) in slides.clone().enumerate() {
                     let turn = turned(along, turn, across, other);
                     if turn != 0.0 {
-                        line[normal + 1 + other] -= turn;
+                        line[start + other] -= turn;
                         for (to, &column) in line.iter_mut().zip(&self.unknown) {
-                            *to += turn * by.rubbing * rows.scaled(first + 1 + other, column);
+                            *to += turn * by.rubbing * rows.scaled(row, column);
                         }
                     }
                 }
@@ -231,20 +235,21 @@ impl SetEquations {
         };
         let y = |row: usize| x[row] / rows.scale[row];
         right.clear();
-        for (set, (_, block)) in sets.iter().zip(rows.blocks()) {
+        for (set, (law, block)) in sets.iter().zip(rows.blocks()) {
             let first = block.start;
             let stops = match set {
                 Set::Held => continue,
                 Set::Stops => block.clone(),
-                Set::Presses | Set::Slides { .. } => first..first + 1,
+                Set::Presses | Set::Slides { .. } => first..first + law.normals(),
             };
+            let slides = stops.end..block.end;
             right.extend(stops.map(|row| -rows.rates[row] * rows.scale[row] - changed(row)));
-            let Set::Slides { along, mu, turn } = *set else { continue };
-            right.extend((0..block.len() - 1).map(|across| {
-                let turns = (0..block.len() - 1).map(|other| {
-                    turned(along, turn, across, other) * by.rubbing * changed(first + 1 + other)
+            let Set::Slides { normal, along, mu, turn } = *set else { continue };
+            right.extend(slides.clone().enumerate().map(|(across, row)| {
+                let turns = slides.clone().enumerate().map(|(other, row)| {
+                    turned(along, turn, across, other) * by.rubbing * changed(row)
                 });
-                mu * y(first) * along[across] - y(first + 1 + across) - turns.sum::<f64>()
+                mu * y(normal) * along[across] - y(row) - turns.sum::<f64>()
             }));
         }
     }

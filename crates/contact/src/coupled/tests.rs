@@ -1,11 +1,10 @@
 //! How near an interior point comes, and where it has nothing to find.
 
 use stationary_calculus::Vector;
-use stationary_constraints::RowLaw;
 use stationary_measure::SplitMix64;
 
 use crate::coupled::interior_point::InteriorPoint;
-use crate::coupled::row_laws::RowLaws;
+use crate::coupled::row_laws::{BlockLaw, RowLaws};
 use crate::problems::{LandingChain, landing_chain};
 
 /// The rows of a chain with their compliance.
@@ -14,7 +13,7 @@ fn rows_of(chain: &LandingChain) -> RowLaws {
     let mut laws = RowLaws::default();
     laws.clear();
     for (law, block) in rows.blocks() {
-        laws.push(law, block.map(|row| rows.lack(row, Vector(&velocity[..]))));
+        laws.push(law.into(), block.map(|row| rows.lack(row, Vector(&velocity[..]))));
     }
     laws.couple(|row, line| {
         let mut answer = vec![0.0; masses.len()];
@@ -50,7 +49,7 @@ fn the_way_inside_leads_close_to_an_answer_in_few_steps() {
 fn rows_that_nothing_moves_along_have_nothing_to_find() {
     let mut rows = RowLaws::default();
     rows.clear();
-    rows.push(RowLaw::Limit, [0.0]);
+    rows.push(BlockLaw::Limit, [0.0]);
     rows.couple(|_, line| line[0] = 1.0);
     assert!(!InteriorPoint::default().start(&rows));
 }

@@ -77,7 +77,7 @@ pub(crate) struct Taken {
 /// The moments of a step's contacts.
 #[derive(Debug)]
 pub(crate) struct ContactMoments<G: Dimension> {
-    moments: Vec<Moment<G>>,
+    pub(crate) moments: Vec<Moment<G>>,
     /// Velocities as moments change them in a turn, and how many moments each body has.
     spun: Vec<f64>,
     shared: Vec<usize>,
@@ -91,12 +91,12 @@ impl<G: Dimension> Default for ContactMoments<G> {
 
 /// A contact that has moments.
 #[derive(Clone, Copy, Debug)]
-struct Moment<G: Dimension> {
-    contact: usize,
+pub(crate) struct Moment<G: Dimension> {
+    pub(crate) contact: usize,
     /// Of rolling and of torsion, m.
-    lengths: [f64; 2],
+    pub(crate) lengths: [f64; 2],
     /// Of rolling and of torsion, on the second body, world axes, N m s.
-    now: [G::Spin; 2],
+    pub(crate) now: [G::Spin; 2],
 }
 
 impl<G: Dimension> Moment<G> {

@@ -1,72 +1,17 @@
-//! Resting contact and friction: each island of bodies that hang together on its own, and by turns with the
-//! moments of rolling friction.
+//! Resting contact and friction: each island of bodies that hang together on its own.
 
 use stationary_calculus::Potential;
 
 use crate::solve::body_state::speed;
 use crate::solve::exact_projection::FreeMotion;
 use crate::solve::island_solver::{Conditions, IMPULSE_ROUNDING, SolvesIslands, Within};
-use crate::solve::rolling::Turns;
+use crate::solve::rolling_rows::Rolling;
 use crate::world::memory::Memory;
 use crate::world::resting::{CHANGE, Guessed};
 use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
 use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
 impl<G: Dimension, P: Potential> World<G, P> {
-    /// Resting contact and friction by turns with moments, where any pair has them; says what counts as
-    /// settled.
-    pub(super) fn rest_rolling(
-        &mut self,
-        contacts: &[ContactIn<G>],
-        q: &[f64],
-        h: f64,
-        report: &mut WorldReport,
-    ) -> Result<Settled, ContactError> {
-        // Of velocities before any impulse: moments may be large, and cancel.
-        let limits = self.settled(contacts, h);
-        if !self.memory.moments.start(contacts, &self.detector) {
-            self.rest(contacts, q, (h, limits), report)?;
-            return Ok(limits);
-        }
-        let Memory { v, increment, free, weight, .. } = &mut self.memory;
-        free.copy_from(v.view());
-        weight.copy_from(increment.view());
-        let start = *report;
-        let (mut turns, mut dropped) = (Turns::default(), false);
-        loop {
-            let Memory { v, increment, free, weight, moments, states, .. } = &mut self.memory;
-            v.copy_from(free.view());
-            increment.copy_from(weight.view());
-            moments.add(contacts, states, &mut v.0);
-            moments.add(contacts, states, &mut increment.0);
-            let (relaxed, solved) = (report.relaxed, report.solved);
-            *report = WorldReport { relaxed, solved, ..start };
-            self.rest(contacts, q, (h, limits), report)?;
-            let Memory { v, before, increment, weight, moments, states, impulses, .. } =
-                &mut self.memory;
-            let settled = if contacts.len() > LARGE { limits.enough } else { limits.finest };
-            let off = moments.off(contacts, impulses, states, &v.0);
-            let taken = moments.energy(contacts, states, [&before.0, &v.0]);
-            let fits = off <= limits.reached(settled);
-            let about_contacts = turns.about_contacts;
-            let over = turns.end_with(off);
-            // Where the last turn would give energy, one without moments follows, which does not.
-            if dropped || (!taken.gains && (fits || over)) {
-                increment.copy_from(weight.view());
-                report.settled &= fits;
-                report.coulomb = report.coulomb.max(off);
-                report.friction_energy += taken.friction;
-                report.work += taken.work;
-                return Ok(limits);
-            }
-            dropped = over;
-            match over {
-                true => moments.drop_all(),
-                false => moments.turn(about_contacts, contacts, impulses, states, &v.0),
-            }
-        }
-    }
-
     /// Resting contact and friction in a step of `h` seconds, within limits.
     pub(super) fn rest(
         &mut self,
@@ -88,6 +33,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
             solver,
             linked,
             with_joints,
+            free,
+            moments,
+            rolling,
             ..
         } = &mut self.memory;
         for (state, v) in states.iter_mut().zip(v.0.chunks_exact(f)) {
@@ -158,7 +106,6 @@ impl<G: Dimension, P: Potential> World<G, P> {
                     off.map(|off| off + 2.0 * kept)
                 }
                 None => {
-                    let free = FreeMotion { points: contacts, q, v: &v.0, mass: &self.mass, bias };
                     let gains =
                         |body: usize| speed::<G>(&increment.0[f * body..][..f], radius(body));
                     let slow = |&body: &usize| {
@@ -181,6 +128,21 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         let gain = bodies.iter().map(|&body| gains(body)).fold(0.0, f64::max);
                         finest.max(ROUNDING * gain)
                     });
+                    let of = Rolling { contacts, bias, states, free: &free.0 };
+                    let within = [settled, reached];
+                    let own = &mut moments.moments;
+                    let island = [members, bodies];
+                    if let Some((left, systems)) =
+                        rolling.solve(island, of, own, impulses, within, &mut v.0)
+                    {
+                        report.islands += 1;
+                        report.solved += systems;
+                        report.settled &= left.worst() <= reached;
+                        report.residual = report.residual.max(left.normal);
+                        report.coulomb = report.coulomb.max(left.friction);
+                        continue;
+                    }
+                    let free = FreeMotion { points: contacts, q, v: &v.0, mass: &self.mass, bias };
                     let within = Within { settled, enough, still, reached, fine, of_pile: pile };
                     let conditions = Conditions { free, states, within };
                     let off = solver.solve([members, bodies], conditions, impulses, report)?;

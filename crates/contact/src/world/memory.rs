@@ -9,6 +9,7 @@ use crate::impact::touching::Touching;
 use crate::solve::body_state::BodyState;
 use crate::solve::islands::Islands;
 use crate::solve::rolling::ContactMoments;
+use crate::solve::rolling_rows::RollingRows;
 use crate::when::rigid_time_of_impact::MeetRoom;
 use crate::world::jointed::JointedMemory;
 use crate::world::resting::Resting;
@@ -55,6 +56,7 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) islands: Islands,
     pub(super) resting: Resting<G>,
     pub(super) moments: ContactMoments<G>,
+    pub(super) rolling: RollingRows<G>,
     /// Velocities before any impulse, and their increment, without moments.
     pub(super) free: Vector<Vec<f64>>,
     pub(super) weight: Vector<Vec<f64>>,
@@ -95,6 +97,7 @@ impl<G: Dimension> Memory<G> {
             islands: Islands::default(),
             resting: Resting::default(),
             moments: ContactMoments::default(),
+            rolling: RollingRows::default(),
             free: zeros(),
             weight: zeros(),
             solver: G::Solver::default(),
