@@ -337,7 +337,15 @@ impl CoupledRows {
         (least, solved)
     }
 
-    /// One of Newton's steps from rates that are known better than by the compliance; says whether it was taken.
+    /// How far impulses are from meeting the laws, by rates that are known better than by the compliance.
+    #[cfg(any(feature = "2d", feature = "3d"))]
+    pub(crate) fn left_at(&mut self, x: &[f64], rates: impl Iterator<Item = f64>) -> Left {
+        self.rows.rates.clear();
+        self.rows.rates.extend(rates);
+        self.rows.left_at_rates(x)
+    }
+
+    /// One of Newton's steps from such rates; says whether it was taken.
     #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn refine(&mut self, x: &mut [f64], rates: impl Iterator<Item = f64>) -> bool {
         self.rows.rates.clear();

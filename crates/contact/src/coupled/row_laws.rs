@@ -175,6 +175,11 @@ impl RowLaws {
     /// How far these impulses are from meeting the laws.
     pub(crate) fn left(&mut self, x: &[f64]) -> Left {
         self.find_rates(x);
+        self.left_at_rates(x)
+    }
+
+    /// The same by the rates at hand.
+    pub(crate) fn left_at_rates(&self, x: &[f64]) -> Left {
         let mut left = Left::default();
         for (law, rows) in self.blocks() {
             let [u, own] = [&self.rates, &self.own].map(|list| &list[rows.clone()]);

@@ -305,7 +305,7 @@ where
 }
 
 /// Whether the masses of these bodies differ much.
-fn unequal<G: Dimension>(bodies: &[usize], states: &[BodyState<G>]) -> bool {
+pub(crate) fn unequal<G: Dimension>(bodies: &[usize], states: &[BodyState<G>]) -> bool {
     let scales = bodies.iter().map(|&body| states[body].scale.as_ref()[0]);
     let [least, most] = scales.fold([f64::INFINITY, 0.0_f64], |[a, b], s| [a.min(s), b.max(s)]);
     most * most > MASS_RATIO * least * least

@@ -17,7 +17,7 @@ use crate::solve::sweeps::{Island, Sweeps};
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Steps of a refinement, each from the velocities that the last has left.
-const REFINEMENTS: usize = 3;
+pub(crate) const REFINEMENTS: usize = 3;
 
 /// The memory of a polish.
 #[derive(Debug, Default)]

@@ -49,7 +49,7 @@ pub(crate) const SYSTEM_COST: usize = 8;
 pub(crate) const PROXIMAL_COST: f64 = 30.0;
 
 /// Energy given by impulses that is rounding, relative to theirs.
-const ENERGY_ROUNDING: f64 = 1e-9;
+pub(crate) const ENERGY_ROUNDING: f64 = 1e-9;
 
 /// Scaled velocities of all bodies, and the memory of the sweeps.
 #[derive(Debug, Default)]
