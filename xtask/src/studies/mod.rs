@@ -96,6 +96,7 @@ studies! {
             work_precision: [CONTACT_WORK_PRECISION],
             friction_problems: [FRICTION_PROBLEMS],
             coupled_rows: [COUPLED_ROWS],
+            rolling: [ROLLING_FRICTION],
         }
         elasticity {
             sheets: [CANTILEVER, MEMBRANE, LOCKING],
