@@ -32,7 +32,10 @@ fn detector_with(count: usize, restitution: f64) -> Detector {
 /// Allocations in the last of the steps and contacts relaxed there, the second time that they are
 /// taken.
 fn allocations(boxes: &Boxes, steps: usize, last: usize) -> (u64, usize) {
-    let detector = detector(boxes.starts.len());
+    allocations_of(detector(boxes.starts.len()), boxes, steps, last)
+}
+
+fn allocations_of(detector: Detector, boxes: &Boxes, steps: usize, last: usize) -> (u64, usize) {
     let mut bodies = SpatialWorld::new(boxes.system.clone(), detector).unwrap();
     let run = |bodies: &mut SpatialWorld<_>, state: &mut State<Vec<f64>>, steps: usize| {
         (0..steps).map(|_| bodies.step(state, 2e-3).unwrap().relaxed).sum::<usize>()
@@ -89,6 +92,16 @@ fn chosen_steps_of_boxes_that_land_take_no_memory_once_as_many_were_taken() {
     let used = measure(|| run(&mut chosen)).count_total;
     // One of what pushed last.
     assert!(used <= 1 && steps > 100, "{used} {steps}");
+}
+
+#[test]
+fn moments_of_rolling_take_no_memory_once_as_many_contacts_have_been_met() {
+    let boxes = falling_boxes(2).unwrap();
+    let pairs = [[0, 1], [0, 2], [1, 2]].into_iter();
+    let detector =
+        pairs.fold(detector(2), |detector, pair| detector.with_rolling(pair, 0.05, 0.02).unwrap());
+    let (used, _) = allocations_of(detector, &boxes, 400, 100);
+    assert_eq!(used, 0);
 }
 
 /// A chain of three boxes that is hung from the world, in the air and lying on the floor: what was found about the

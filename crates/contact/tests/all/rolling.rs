@@ -165,8 +165,8 @@ fn energy_never_grows_by_moments_of_random_piles_and_the_reports_balance_holds()
             settled[k % 2] += usize::from(report.settled);
         }
     }
-    println!("balls settle in {} of 100 steps, boxes in {} of 30", settled[0], settled[1]);
-    assert!(settled[0] > 95, "{settled:?}");
+    // By turns between moments and impulses boxes did in half of the steps.
+    assert!(settled[0] > 95 && settled[1] > 26, "{settled:?}");
 }
 
 #[test]
