@@ -141,7 +141,7 @@ fn study(size: Size) -> Result<Study, StudyError> {
         ]);
     }
     let axes = (Axis::log("step", "s"), Axis::log("error of the way", "m"));
-    let mut precision = Lines::new("How far a ball rolls", axes.0, axes.1).slope(1.0, (1e-3, 1e-2));
+    let mut precision = Lines::new("How far a ball rolls", axes.0, axes.1).slope(1.0, (3e-3, 1e-3));
     precision = precision.with(Series::new("ball", errors.clone()));
     let axes = (Axis::linear("boxes", ""), Axis::linear("part not settled", ""));
     let mut edge = Lines::new("Steps of heaps that are not settled", axes.0, axes.1);
@@ -180,7 +180,11 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 worst.into(),
             ]);
         }
-        edge = edge.with(Series::new(&format!("masses up to {ratio:.0e} apart"), curve));
+        let name = match spread {
+            0.0 => "equal masses".to_owned(),
+            _ => format!("masses up to {ratio:.0e} apart"),
+        };
+        edge = edge.with(Series::new(&name, curve));
     }
     let slope = loglog_slope(&errors).unwrap_or(f64::NAN);
     Ok(Study {
