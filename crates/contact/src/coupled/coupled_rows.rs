@@ -37,8 +37,9 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The most rows for which Lemke's pivots are tried: their work grows with the cube as well, and there are many.
 const PIVOTED: usize = 150;
 /// The most multiplications of a factor of an interior point, which takes some hundred: those of 150 rows of which each
-/// answers to each, or of a thousand in a chain.
+/// answers to each, or of a thousand in a chain. Moments double the rows of a contact.
 const INSIDE_WORK: usize = 1_200_000;
+const INSIDE_WORK_WITH_MOMENTS: usize = 8 * INSIDE_WORK;
 /// The most pyramids in the place of cones: the friction that one finds turns the next.
 const PYRAMIDS: usize = 6;
 /// How far an interior point goes, as parts of where it begins, before Newton's method is tried from there.
@@ -107,6 +108,7 @@ impl CoupledRows {
     }
 
     /// Appends the rows of moments that go so far as a part of the impulse of another row.
+    #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn push_disc(
         &mut self,
         normal: usize,
@@ -123,6 +125,7 @@ impl CoupledRows {
     }
 
     /// Takes impulses to admissible ones.
+    #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn admit(&self, x: &mut [f64]) {
         self.rows.admit(x);
     }
@@ -229,9 +232,8 @@ impl CoupledRows {
     /// The same by what an interior point leads to. Says what is left, and how many systems were solved.
     fn go_inside(&mut self, x: &mut [f64], enough: f64) -> (f64, usize) {
         let (mut least, mut solved) = (self.rows.left(x).worst(), 0);
-        // Moments double the rows of a contact.
         let rolls = self.rows.laws.iter().any(|law| law.normals() == 0);
-        let most = if rolls { 8 * INSIDE_WORK } else { INSIDE_WORK };
+        let most = if rolls { INSIDE_WORK_WITH_MOMENTS } else { INSIDE_WORK };
         if self.rows.work() > most || !self.interior.start(&self.rows) {
             return (least, solved);
         }
@@ -340,20 +342,24 @@ impl CoupledRows {
     /// How far impulses are from meeting the laws, by rates that are known better than by the compliance.
     #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn left_at(&mut self, x: &[f64], rates: impl Iterator<Item = f64>) -> Left {
-        self.rows.rates.clear();
-        self.rows.rates.extend(rates);
+        self.take_rates(rates);
         self.rows.left_at_rates(x)
     }
 
     /// One of Newton's steps from such rates; says whether it was taken.
     #[cfg(any(feature = "2d", feature = "3d"))]
     pub(crate) fn refine(&mut self, x: &mut [f64], rates: impl Iterator<Item = f64>) -> bool {
-        self.rows.rates.clear();
-        self.rows.rates.extend(rates);
+        self.take_rates(rates);
         let taken = self.equations.step(&self.rows, x, FIRM);
         if taken {
             self.rows.admit(x);
         }
         taken
+    }
+
+    #[cfg(any(feature = "2d", feature = "3d"))]
+    fn take_rates(&mut self, rates: impl Iterator<Item = f64>) {
+        self.rows.rates.clear();
+        self.rows.rates.extend(rates);
     }
 }

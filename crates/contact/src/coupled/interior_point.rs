@@ -9,11 +9,11 @@
 //!
 //! (W + D + H) dy = mu y^-1 - (W y + o + |u_t| e),    dz = mu y^-1 - z - H dy,    H y = z
 //! ```
-//! `m` the friction coefficient, `u_r` the rates of a moment, `D` the differential of `|u_t|`, or nothing where a step by
-//! it leaves the cones at once, `H` the scaling of Nesterov and Todd. Coulomb's law is the complementarity of these cones. No set is chosen on the
-//! way, so that none can go in circles: where many corners rub at their reach, what comes is in the middle of all
-//! answers, and near enough for Newton's method. Source: De Saxce and Feng 1998 (the cones); Nesterov and Todd 1998;
-//! Acary, Cadoux, Lemarechal and Malick 2011 (friction).
+//! `m` the friction coefficient, `u_r` the rates of a moment, `D` the differential of `|u_t|`, or nothing where a step
+//! by it leaves the cones at once, `H` the scaling of Nesterov and Todd. Coulomb's law is the complementarity of these
+//! cones. No set is chosen on the way, so that none can go in circles: where many corners rub at their reach, what
+//! comes is in the middle of all answers, and near enough for Newton's method. Source: De Saxce and Feng 1998 (the
+//! cones); Nesterov and Todd 1998; Acary, Cadoux, Lemarechal and Malick 2011 (friction).
 
 use std::ops::Range;
 

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use stationary_constraints::RowLaw;
 
-/// Which impulses a block of rows may give, if not that of another block has a say in it.
+/// Which impulses a block of rows may give: the laws of rows, and a disc that grows with the impulse of another block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum BlockLaw {
     Equality,
@@ -25,6 +25,7 @@ pub(crate) enum BlockLaw {
     Bounded(f64),
     Cone(f64),
     /// In the disc whose radius is so many times the impulse of a row: the normal of a cone.
+    #[cfg_attr(not(any(feature = "2d", feature = "3d")), expect(dead_code))]
     Disc {
         normal: usize,
         part: f64,

@@ -6,11 +6,11 @@
 //! x from v_f + M^-1 W^T tau,   by turns
 //! ```
 //! `r s` lengths of a pair (m), `lambda` normal impulses (N s), `w` the spin of the second body as
-//! seen from the first (rad/s), `x` impulses of contacts, `v_f` velocities before any. Turns are
+//! seen from the first (rad/s), `x` impulses of contacts, `v_f` velocities before any. Small islands
+//! are solved at once (`rolling_rows.rs`); these turns are for what has joints, and for large islands. They are
 //! alternating minima of one energy, moments contact after contact. What rolls on one contact is held
 //! by friction there, and gives way as if it turned about it: a turn takes what would stop that. Where
-//! turns help no more the step is not settled, as where boxes rock on each other; moments that would
-//! then give energy are dropped.
+//! turns help no more the step is not settled; moments that would then give energy are dropped.
 //!
 //! Impacts with restitution carry no moments. Source: Leine and Glocker 2003 (the cones); staggered as
 //! friction is.

@@ -5,10 +5,11 @@
 //!          l a.s               of its moments, |x_a| <= (r/l) x_n     a = n x t across the normal, t1 x t2 along it
 //! w = J~^T x,   u = u_f + J~ w                                        J~ = J M^-1/2
 //! ```
-//! `u` how fast the second point leaves the first (m/s), `u_f` before any impulse, `s` the spin of the second body as seen
-//! from the first (rad/s), `l` the longer arm of the contact (m), so that moments are impulses at its end, `r` their
-//! length (m), `w` scaled changes of velocities. The laws and the method are those of [`CoupledRows`]; where masses differ
-//! much Newton's last steps take their rates from velocities, and no impulses give energy. Source: Leine and Glocker 2003.
+//! `u` how fast the second point leaves the first (m/s), `u_f` before any impulse, `s` the spin of the second body as
+//! seen from the first (rad/s), `l` the longer arm of the contact (m), so that moments are impulses at its end, `r`
+//! their length (m), `w` scaled changes of velocities. The laws and the method are those of [`CoupledRows`]; where
+//! masses differ much Newton's last steps take their rates from velocities, and no impulses give energy. Source: Leine
+//! and Glocker 2003.
 
 use stationary_constraints::RowLaw;
 
