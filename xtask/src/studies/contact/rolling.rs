@@ -190,8 +190,8 @@ fn study(size: Size) -> Result<Study, StudyError> {
     Ok(Study {
         conclusion: "Moments up to a length times the normal impulse oppose rolling and spinning. A ball stops where \
                      the closed form says, to the order of the step. Boxes that rock on each other have moments and \
-                     friction at every corner, more rows than freedoms: they are solved at once, and where masses \
-                     differ much some steps are not settled and say so."
+                     friction at every corner, more rows than freedoms: they are solved at once. In heaps of \
+                     eight, most of all where masses differ much, some steps are not settled and say so."
             .to_owned(),
         table,
         charts: vec![precision.into(), edge.into()],
