@@ -5,7 +5,7 @@
 //! dV(q)                differential, a covector: the force is -dV (notes 2, errata 9.4)
 //! d2V(q)               Hessian, a symmetric bilinear form (notes 2.4)
 //! ```
-//! Contributions are added, never assigned (notes 3.3): a sum of potentials is a potential, here a
+//! Contributions are added, never assigned (notes 3.3): a sum of potentials is a potential, here a list or a
 //! tuple of them. Hot potentials write the three functions by hand, most of them as a list of
 //! [`Stencils`](crate::Stencils); all others get them from [`Automatic`](crate::Automatic).
 
@@ -73,6 +73,28 @@ impl<P: Potential> Potential for Option<P> {
         if let Some(potential) = self {
             potential.add_hessian(q, hessian);
         }
+    }
+}
+
+/// The sum of a list; its dimension is the largest of theirs.
+impl<P: Potential> Potential for Vec<P> {
+    fn dim(&self) -> usize {
+        self.iter().map(Potential::dim).max().unwrap_or(0)
+    }
+
+    #[inline]
+    fn energy(&self, q: &[f64]) -> f64 {
+        self.iter().map(|potential| potential.energy(q)).sum()
+    }
+
+    #[inline]
+    fn add_differential(&self, q: &[f64], mut dv: Covector<&mut [f64]>) {
+        self.iter().for_each(|potential| potential.add_differential(q, dv.view_mut()));
+    }
+
+    #[inline]
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        self.iter().for_each(|potential| potential.add_hessian(q, hessian));
     }
 }
 

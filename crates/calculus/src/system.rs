@@ -50,6 +50,7 @@ pub trait PotentialOn<S>: Potential {}
 impl<P: Potential> PotentialOn<Flat> for P {}
 impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for &P {}
 impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for Option<P> {}
+impl<S: Curved, P: PotentialOn<S>> PotentialOn<S> for Vec<P> {}
 impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>> PotentialOn<S> for (A, B) {}
 impl<S: Curved, A: PotentialOn<S>, B: PotentialOn<S>, C: PotentialOn<S>> PotentialOn<S>
     for (A, B, C)

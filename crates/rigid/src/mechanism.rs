@@ -8,9 +8,9 @@
 //! N^T M N,   N^T (d2V + lambda d2g) N,    J N = 0         small swings about an equilibrium
 //! ```
 //! `n` freedoms of all bodies, `J` the differential of the equations `g` (m x n), `M` the metric, `f` all
-//! other forces, gyroscopic torques among them; `N` a basis of the motions that the joints allow. Rows are
-//! told in reference [scales](stationary_constraints::Scale), velocities in kg^1/2, so that ranks are
-//! ratios of like things. All of it is dense, and takes the singular values of J: for questions about a
+//! other forces, gyroscopic torques among them; `N` a basis of the motions that the joints allow. Ranks are
+//! read in reference [scales](stationary_constraints::Scale) and radii of gyration, whatever the masses.
+//! All of it is dense, and takes the singular values of J: for questions about a
 //! mechanism, not for its steps. Source: notes 6.4; Haug (1989), 3 and 4.
 
 mod assembly;

@@ -1,19 +1,21 @@
 //! Static assembly: a closed pose near a guess, or the plain word that there is none near.
 //!
 //! ```text
-//! min 1/2 |D g(q)|^2,     (A A^T + mu 1) y = D g,    q <- q exp(-M^-1/2 A^T y)
+//! min 1/2 |D g(q)|^2,     (A A^T + mu diag(A A^T)) y = D g,    q <- q exp(-M^-1/2 A^T y)
 //! ```
-//! `A = D J M^-1/2` in reference scales; `mu` the damping of Levenberg and Marquardt, which falls where a
+//! `A = D J M^-1/2`; `mu` the damping of Levenberg and Marquardt, which falls where a
 //! step helps and grows where it does not. Redundant equations do no harm. It ends at a closed pose, or
-//! where the gap is smallest although open: then no pose near is closed. Heavy bodies move least.
+//! where the gap is smallest although open: then no pose near is closed. Heavy bodies move least; where
+//! light ones alone find no way, all move alike, with radii of gyration for `M^-1/2`.
 
-use nalgebra::{DMatrix, DVector};
-use stationary_calculus::{Metric, Space, Vector};
+use nalgebra::DVector;
+use stationary_calculus::Vector;
 use stationary_constraints::{Constraint, equation_name};
 
 use super::MechanismError;
-use super::differential::{full, inverse_root, weights};
+use super::differential::{full, inverse_roots, lengths, scale, weights};
 use super::error::check_finite;
+use crate::{BodyMetric, BodySpace};
 
 /// A closed pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,16 +40,29 @@ const LEVEL: f64 = 1e-7;
 /// # Errors
 /// [`MechanismError::NotAssembled`] where the gap is smallest and open, [`MechanismError::TooFar`] after
 /// too many steps; a guess with too few numbers, or numbers that are not finite.
-pub fn assemble(
-    metric: &impl Metric,
-    space: &impl Space,
+pub fn assemble<S: BodySpace>(
+    metric: &BodyMetric<S>,
     constraint: &impl Constraint,
     t: f64,
     guess: &[f64],
 ) -> Result<Assembly, MechanismError> {
     check_finite("the guess", guess)?;
-    let (n, count) = (metric.dim(), constraint.count());
-    let (weights, root) = (weights(constraint), inverse_root(metric));
+    closed::<S>(&inverse_roots(metric), constraint, t, guess).or_else(|error| match error {
+        MechanismError::NotAssembled { .. } | MechanismError::TooFar { .. } => {
+            closed::<S>(&lengths(metric), constraint, t, guess)
+        }
+        _ => Err(error),
+    })
+}
+
+/// The pose, with freedoms in these scales.
+fn closed<S: BodySpace>(
+    scales: &DVector<f64>,
+    constraint: &impl Constraint,
+    t: f64,
+    guess: &[f64],
+) -> Result<Assembly, MechanismError> {
+    let (n, count, weights) = (scales.len(), constraint.count(), weights(constraint));
     let lengths = DVector::from_fn(count, |row, _| constraint.scale(row).length);
     let values = |q: &[f64]| -> Result<DVector<f64>, MechanismError> {
         let mut g = vec![0.0; count];
@@ -67,21 +82,23 @@ pub fn assemble(
             let gap = if count == 0 { 0.0 } else { g.amax() };
             return Ok(Assembly { q, gap, iterations });
         }
-        let a = DMatrix::from_diagonal(&weights) * full(constraint, n, t, &q)? * &root;
-        let size = a.norm();
-        let slope = a.tr_mul(&g);
-        if slope.norm() <= LEVEL * size * g.norm() {
+        let mut a = full(constraint, n, t, &q)?;
+        scale(&mut a, &weights, scales)?;
+        let slopes = DVector::from_iterator(count, a.row_iter().map(|row| row.norm()));
+        if a.tr_mul(&g).norm() <= LEVEL * slopes.component_mul(&g).norm() {
             let (row, name, gap) = worst(constraint, &g);
             return Err(MechanismError::NotAssembled { row, name, gap });
         }
         let mut matrix = &a * a.transpose();
+        let least = f64::EPSILON * slopes.amax().powi(2) * f64::EPSILON;
         for k in 0..count {
-            matrix[(k, k)] += damping * size * size;
+            matrix[(k, k)] += damping * slopes[k].powi(2).max(least);
         }
-        let step = matrix.cholesky().map(|factor| &root * a.tr_mul(&factor.solve(&g)));
+        let step =
+            matrix.cholesky().map(|factor| a.tr_mul(&factor.solve(&g)).component_mul(scales));
         let tried = step.map(|step| {
             let mut next = q.clone();
-            space.advance(&mut next, -1.0, Vector(step.as_slice()));
+            S::SPACE.advance(&mut next, -1.0, Vector(step.as_slice()));
             values(&next).map(|g| (next, g))
         });
         match tried.transpose()? {

@@ -3,21 +3,22 @@
 //! ```text
 //! M a + J^T lambda = f,     f = -dV + F(t, q, v) + (0, m x w)
 //! J a = -(v^T d2g v + d2g/dt2)
-//! A z = D (J M^-1 f + v^T d2g v + d2g/dt2),    A^T y = z,    a = M^-1 f - M^-1/2 z,    lambda = D y
+//! B z = R (J M^-1 f + v^T d2g v + d2g/dt2),    B^T R^-1 lambda = z,    a = M^-1 f - M^-1/2 z
 //! ```
-//! `A = D J M^-1/2` in reference scales, so that masses far apart cost no more digits than they must; `a` the rates of the velocities (world axes, and body axes), `lambda` the multipliers with the signs
-//! and units of the joints, `m w` angular momentum and velocity in body axes. Where equations are
+//! `B = R J M^-1/2` of independent equations, rows of length 1, so that masses far apart cost no more
+//! digits than they must; `a` the rates of the velocities (world axes, and body axes), `lambda` the
+//! multipliers with the signs and units of the joints, `m w` angular momentum and velocity in body axes. Where equations are
 //! redundant, the multipliers are those of the smallest norm in reference scales and the accelerations
 //! the only ones. The second rate of a drive is a difference of its first, good to ten digits.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DVector, Vector3};
 use stationary_calculus::{
     Covector, Force, Metric, Potential, ProductSink, SizeError, System, Vector, least_norm,
 };
 use stationary_constraints::Constraint;
 
 use super::MechanismError;
-use super::differential::{DEPENDENT, full, inverse_root, weights};
+use super::differential::{DEPENDENT, Held, full, geometric, independent, inverse_roots, weights};
 use super::error::check_finite;
 use crate::{BodyMetric, BodySpace};
 
@@ -62,22 +63,30 @@ pub fn instant<P: Potential, S: BodySpace>(
     if constraint.count() == 0 {
         return Ok(Instant { accelerations: falling.data.into(), multipliers: Vec::new() });
     }
-    let weights = weights(constraint);
-    let (d, root) = (DMatrix::from_diagonal(&weights), inverse_root(metric));
-    let a = &d * &j * &root;
-    let b = &d * (&j * &falling + &bend);
-    let held = least_norm(&a, &b, DEPENDENT)?;
-    let terms = (&d * &j).abs() * falling.abs() + &d * bend.abs();
-    check_left(held.residual, terms.norm())?;
-    let pushed = least_norm(&a.transpose(), &held.x, DEPENDENT)?;
-    check_left(pushed.residual, held.x.norm())?;
-    let multipliers = pushed.x.component_mul(&weights);
-    let accelerations = falling - root * held.x;
+    let g = geometric(metric, constraint, j.clone())?;
+    let (rows, _) = independent(&g, DEPENDENT);
+    let roots = inverse_roots(metric);
+    let held = Held::new(&j, rows, &roots)?;
+    let asked = &j * &falling + &bend;
+    let z = least_norm(&held.b, &asked.select_rows(&held.rows).component_mul(&held.scales), 0.0)?.x;
+    let accelerations = &falling - z.component_mul(&roots);
+    let d = weights(constraint);
+    let terms = j.abs() * falling.abs() + bend.abs();
+    check_left((&j * &accelerations + &bend).component_mul(&d), terms.component_mul(&d))?;
+    let mut multipliers = held.multipliers(&z, constraint.count())?;
+    let pushed = j.tr_mul(&multipliers).component_mul(&roots);
+    check_left(pushed - &z, z)?;
+    if held.rows.len() < constraint.count() {
+        // The shortest that push the same.
+        let push = g.tr_mul(&multipliers.component_div(&d));
+        multipliers = least_norm(&g.transpose(), &push, DEPENDENT)?.x.component_mul(&d);
+    }
     Ok(Instant { accelerations: accelerations.data.into(), multipliers: multipliers.data.into() })
 }
 
 /// An error where more is left of equations than rounding of their terms.
-fn check_left(residual: f64, terms: f64) -> Result<(), MechanismError> {
+fn check_left(residual: DVector<f64>, terms: DVector<f64>) -> Result<(), MechanismError> {
+    let (residual, terms) = (residual.norm(), terms.norm());
     if residual.is_nan() || residual > LEFT * terms {
         return Err(MechanismError::Contradictory { residual: residual / terms });
     }

@@ -11,12 +11,14 @@
 
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::{
-    Covector, DenseSink, DiagonalMetric, MetricError, Potential, Sink, System, least_norm,
+    Covector, DenseSink, DiagonalMetric, MetricError, Potential, Sink, System,
 };
 use stationary_constraints::Constraint;
 
 use super::MechanismError;
-use super::differential::{DEPENDENT, full, inverse_root, rank, weights};
+use super::differential::{
+    CLEAR, Held, complement, full, geometric, independent, inverse_roots, rank,
+};
 use super::error::check_finite;
 use crate::{BodyMetric, BodySpace};
 
@@ -27,7 +29,7 @@ pub struct Linearization {
     pub basis: DMatrix<f64>,
     /// The stiffness along them, 1/s^2.
     pub stiffness: DMatrix<f64>,
-    /// The multipliers that hold the pose.
+    /// The multipliers that hold the pose, zero for equations that others imply.
     pub multipliers: Vec<f64>,
 }
 
@@ -47,43 +49,35 @@ pub fn linearize<P: Potential, S: BodySpace>(
 ) -> Result<Linearization, MechanismError> {
     let n = system.dim();
     check_finite("the configuration", q)?;
-    let (root, d) = (inverse_root(system.metric()), weights(constraint));
-    let a = DMatrix::from_diagonal(&d) * full(constraint, n, t, q)? * &root;
-    let rank = rank(&a)?;
+    let (metric, roots) = (system.metric(), inverse_roots(system.metric()));
+    let j = full(constraint, n, t, q)?;
+    let g = geometric(metric, constraint, j.clone())?;
+    let (rows, _) = independent(&g, CLEAR);
+    if rows.len() != rank(&g)? {
+        return Err(MechanismError::RankUnclear { above: CLEAR, below: CLEAR });
+    }
+    let held = Held::new(&j, rows, &roots)?;
+    let (_, span) = independent(&held.b, 0.0);
+    let free = complement(span, n);
     let mut dv = Covector(vec![0.0; n]);
     system.potential().add_differential(q, dv.view_mut());
     check_finite("the differential of the potential", &dv.0)?;
-    let force = &root * DVector::from_vec(dv.0);
-    let mut multipliers = DVector::zeros(a.nrows());
-    let mut left = force.clone();
-    if !a.is_empty() {
-        multipliers = -least_norm(&a.transpose(), &force, DEPENDENT)?.x;
-        left += a.tr_mul(&multipliers);
+    let force = DVector::from_vec(dv.0).component_mul(&roots);
+    let left = free.tr_mul(&force).norm();
+    if left > AT_REST * force.norm() {
+        return Err(MechanismError::NotAtRest { residual: left / force.norm() });
     }
-    if left.norm() > AT_REST * force.norm() {
-        return Err(MechanismError::NotAtRest { residual: left.norm() / force.norm() });
-    }
-    let multipliers = multipliers.component_mul(&d);
+    let multipliers = held.multipliers(&-force, constraint.count())?;
     let mut hessian = vec![0.0; n * n];
     if let Some(mut sink) = DenseSink::new(1.0, n, &mut hessian) {
         system.potential().add_hessian(q, &mut sink);
         constraint.add_hessian(t, q, multipliers.as_slice(), &mut sink)?;
     }
     check_finite("the Hessian", &hessian)?;
-    let basis = &root * null_basis(&a, n, rank);
+    let basis = DMatrix::from_diagonal(&roots) * free;
     let stiffness = basis.transpose() * DMatrix::from_vec(n, n, hessian) * &basis;
     let stiffness = (&stiffness + stiffness.transpose()) * 0.5;
     Ok(Linearization { basis, stiffness, multipliers: multipliers.data.into() })
-}
-
-/// An orthonormal basis of what a matrix of this rank takes to zero.
-fn null_basis(a: &DMatrix<f64>, n: usize, rank: usize) -> DMatrix<f64> {
-    let eigen = (a.transpose() * a).symmetric_eigen();
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-    let columns: Vec<_> =
-        order[..n - rank].iter().map(|&k| eigen.eigenvectors.column(k).into_owned()).collect();
-    if columns.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&columns) }
 }
 
 impl Linearization {

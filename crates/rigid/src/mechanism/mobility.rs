@@ -6,13 +6,11 @@
 //! An equation is redundant at a pose; at a singular pose more are than elsewhere, and the mobility is
 //! that of the instant, larger than the one of the motion.
 
-use nalgebra::{DMatrix, DVector};
-use stationary_calculus::Metric;
 use stationary_constraints::Constraint;
 
 use super::MechanismError;
-use super::differential::{CLEAR, full, inverse_root, rank, weights};
-use crate::JointName;
+use super::differential::{CLEAR, full, geometric, independent, rank};
+use crate::{BodyMetric, BodySpace, JointName};
 
 /// What joints leave free at a pose.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,48 +40,25 @@ impl Mobility {
 /// # Errors
 /// [`MechanismError::RankUnclear`] near a singular pose, a configuration with too few numbers, numbers
 /// that are not finite.
-pub fn mobility<K: Constraint>(
-    metric: &impl Metric,
+pub fn mobility<S: BodySpace, K: Constraint>(
+    metric: &BodyMetric<S>,
     constraints: &Vec<K>,
     t: f64,
     q: &[f64],
 ) -> Result<Mobility, MechanismError> {
-    let j = full(constraints, metric.dim(), t, q)?;
-    let a = DMatrix::from_diagonal(&weights(constraints)) * j * inverse_root(metric);
-    let rank = rank(&a)?;
-    let redundant = dependent(&a);
-    if redundant.len() != a.nrows() - rank {
+    let n = S::FREEDOMS * metric.bodies().len();
+    let g = geometric(metric, constraints, full(constraints, n, t, q)?)?;
+    let rank = rank(&g)?;
+    let (held, _) = independent(&g, CLEAR);
+    if held.len() != rank {
         return Err(MechanismError::RankUnclear { above: CLEAR, below: CLEAR });
     }
-    let mut named = Vec::new();
+    let mut redundant = Vec::new();
     let mut first = 0;
     for (member, constraint) in constraints.iter().enumerate() {
-        let own = first..first + constraint.count();
-        named.extend(
-            redundant.iter().filter(|row| own.contains(row)).map(|row| (member, row - first)),
-        );
-        first = own.end;
+        let own = 0..constraint.count();
+        redundant.extend(own.filter(|row| !held.contains(&(first + row))).map(|row| (member, row)));
+        first += constraint.count();
     }
-    Ok(Mobility { freedoms: metric.dim() - rank, rank, redundant: named })
-}
-
-/// The rows that lie in the span of those before them, by Gram and Schmidt, twice.
-fn dependent(a: &DMatrix<f64>) -> Vec<usize> {
-    let mut basis: Vec<DVector<f64>> = Vec::new();
-    let mut dependent = Vec::new();
-    for (number, row) in a.row_iter().enumerate() {
-        let mut rest: DVector<f64> = row.transpose();
-        let length = rest.norm();
-        for _ in 0..2 {
-            for unit in &basis {
-                rest -= unit * unit.dot(&rest);
-            }
-        }
-        if length == 0.0 || rest.norm() <= CLEAR * length {
-            dependent.push(number);
-        } else {
-            basis.push(rest.normalize());
-        }
-    }
-    dependent
+    Ok(Mobility { freedoms: n - rank, rank, redundant })
 }

@@ -51,7 +51,7 @@ fn two_joints_that_cannot_both_be_closed_are_refused_by_name_for_every_pair_of_k
             let ConstraintError::Infeasible { row, .. } = error else { panic!("{told}: {error}") };
             let name = joints.describe(row).unwrap();
             assert!(name.contains(&joints[1].name().to_string()), "{told}: {name}");
-            match assemble(system.metric(), &Poses, &joints, 0.0, &guess) {
+            match assemble(system.metric(), &joints, 0.0, &guess) {
                 Ok(found) => {
                     let mut g = vec![0.0; joints.count()];
                     joints.value(0.0, &found.q, &mut g).unwrap();

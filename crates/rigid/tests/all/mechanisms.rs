@@ -164,7 +164,7 @@ fn a_four_bar_is_assembled_from_a_rough_guess_and_one_that_cannot_close_is_refus
         let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
         quaternion.iter_mut().for_each(|c| *c /= length);
     }
-    let closed = assemble(system.metric(), &Poses, &joints, 0.0, &guess).unwrap();
+    let closed = assemble(system.metric(), &joints, 0.0, &guess).unwrap();
     let mut g = vec![0.0; joints.count()];
     joints.value(0.0, &closed.q, &mut g).unwrap();
     assert!(g.iter().all(|g| g.abs() < 1e-12) && closed.iterations < 30, "{}", closed.iterations);
@@ -175,13 +175,13 @@ fn a_four_bar_is_assembled_from_a_rough_guess_and_one_that_cannot_close_is_refus
         [JointEnd::on(2, -Vector3::z() * 0.5), JointEnd::world(Vector3::x() * 4.0)],
     );
     let open = [&joints[..3], &[far]].concat();
-    let error = assemble(system.metric(), &Poses, &open, 0.0, &guess).unwrap_err();
+    let error = assemble(system.metric(), &open, 0.0, &guess).unwrap_err();
     assert!(
         error.to_string().contains("of constraint ") && error.to_string().contains("hinge between")
     );
     let MechanismError::NotAssembled { gap, .. } = error else { panic!("{error}") };
     assert!(gap > 0.1 && gap < 1.0, "{gap}");
-    let error = assemble(system.metric(), &Poses, &joints, 0.0, &guess[..20]).unwrap_err();
+    let error = assemble(system.metric(), &joints, 0.0, &guess[..20]).unwrap_err();
     assert!(matches!(error, MechanismError::Size(_)));
 }
 

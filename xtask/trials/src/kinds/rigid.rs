@@ -11,6 +11,7 @@ mod lie_maps;
 mod linkage;
 mod mass_properties;
 mod singular_positions;
+mod small_motions;
 mod two_ways;
 mod variational;
 
@@ -22,6 +23,7 @@ pub const KINDS: &[Kind] = &[
     driven::KIND,
     closed::KIND,
     variational::KIND,
+    small_motions::KIND,
     singular_positions::KIND,
     lie_maps::KIND,
     mass_properties::KIND,
