@@ -12,6 +12,8 @@ use crate::Unsolvable;
 use crate::equation::{nan_where_not_finite, power_of_two};
 use crate::pivots::{SUSPICIOUS, zero_pivot};
 
+/// Rows whose largest entries lie further apart than this are brought to one size.
+const UNLIKE: f64 = 1e6;
 /// Units of rounding of each column that an elimination may leave of zero.
 const ROUNDINGS: f64 = 16.0;
 
@@ -22,6 +24,8 @@ pub struct DenseLu {
     scales: Vec<f64>,
     /// The power of two by which each column was divided, so that no product leaves the range of numbers.
     units: Vec<f64>,
+    /// The power of two by which each row was divided, where rows are of very unlike sizes.
+    rows: Vec<f64>,
     exchanges: Vec<usize>,
     #[cfg(feature = "sparse")]
     blocked: Option<crate::sparse::BlockedLu>,
@@ -34,6 +38,7 @@ impl DenseLu {
             matrix: DMatrix::zeros(n, n),
             scales: vec![0.0; n],
             units: vec![1.0; n],
+            rows: vec![1.0; n],
             exchanges: vec![0; n],
             #[cfg(feature = "sparse")]
             blocked: (n >= 64).then(|| crate::sparse::BlockedLu::new(n).ok()).flatten(),
@@ -55,6 +60,7 @@ impl DenseLu {
     /// # Errors
     /// Where a pivot vanishes next to its column, or a number is not finite.
     pub fn factor(&mut self) -> Result<(), Unsolvable> {
+        self.balance_rows();
         for (scale, column) in self.scales.iter_mut().zip(self.matrix.column_iter()) {
             *scale = column.amax();
         }
@@ -77,6 +83,31 @@ impl DenseLu {
         let is_suspicious = |&j: &usize| self.matrix[(j, j)].abs() < SUSPICIOUS * self.scales[j];
         let mut suspicious = (0..self.scales.len()).rev().filter(is_suspicious);
         if suspicious.any(|j| self.is_rounding(j)) { Err(Unsolvable::Singular) } else { Ok(()) }
+    }
+
+    /// Divides rows by their sizes where these lie far apart: the largest of a column is no good pivot in a row
+    /// beside whose other entries it is nothing.
+    fn balance_rows(&mut self) {
+        self.rows.fill(0.0);
+        for column in self.matrix.column_iter() {
+            for (largest, entry) in self.rows.iter_mut().zip(&column) {
+                *largest = largest.max(entry.abs());
+            }
+        }
+        let sizes = || self.rows.iter().filter(|size| **size > 0.0);
+        let (least, most) =
+            (sizes().fold(f64::MAX, |a, &b| a.min(b)), sizes().fold(0.0, |a, &b| b.max(a)));
+        if !(most > UNLIKE * least && most.is_finite()) {
+            return self.rows.fill(1.0);
+        }
+        for (row, size) in self.rows.iter_mut().enumerate() {
+            *size = if *size > 0.0 {
+                2.0_f64.powi(size.log2().floor().max(-1022.0) as i32)
+            } else {
+                1.0
+            };
+            self.matrix.row_mut(row).unscale_mut(*size);
+        }
     }
 
     /// Whether pivot j, small beside its column, is what rounding leaves of zero: the vector v of the
@@ -124,6 +155,7 @@ impl DenseLu {
         if b.is_empty() {
             return;
         }
+        b.iter_mut().zip(&self.rows).for_each(|(x, row)| *x /= row);
         let load = power_of_two(b.iter().fold(0.0_f64, |largest, x| largest.max(x.abs())));
         if load != 1.0 {
             b.iter_mut().for_each(|x| *x /= load);
@@ -171,6 +203,18 @@ mod tests {
             }
             lu.solve(b.as_mut_slice());
             assert!((&b - &exact).amax() < 1e-9, "{n}: {}", (b - exact).amax());
+        }
+    }
+
+    #[test]
+    fn rows_of_unlike_sizes_are_solved() {
+        for far in [1e3, 1e6, 1e12, 1e17, 1e60] {
+            let mut lu = DenseLu::new(2);
+            lu.matrix().copy_from_slice(&[1.0, 1.0, far, 1.0]);
+            lu.factor().unwrap();
+            let mut b = [1.0 + far, 2.0];
+            lu.solve(&mut b);
+            assert!((b[0] - 1.0).abs() < 1e-15 && (b[1] - 1.0).abs() < 1e-15, "{far}: {b:?}");
         }
     }
 

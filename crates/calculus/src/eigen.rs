@@ -123,11 +123,12 @@ fn check_symmetric(which: &'static str, a: &DMatrix<f64>, n: usize) -> Result<()
     if a.iter().any(|entry| !entry.is_finite()) {
         return Err(EigenError::NotFinite { which });
     }
-    let negligible = 1e-12 * a.amax();
+    // Freedoms of unlike units: each entry beside the largest of its own rows and columns.
+    let sizes: Vec<f64> = (0..n).map(|k| a.row(k).amax().max(a.column(k).amax()).sqrt()).collect();
     for column in 0..n {
         for row in column + 1..n {
             let (entry, mirror) = (a[(row, column)], a[(column, row)]);
-            if (entry - mirror).abs() > negligible {
+            if (entry - mirror).abs() > 1e-12 * sizes[row] * sizes[column] {
                 return Err(EigenError::NotSymmetric { which, row, column, entry, mirror });
             }
         }

@@ -64,6 +64,7 @@ mod semidefinite;
 mod sparse;
 mod equilibrium;
 mod least_norm;
+mod span;
 mod newton_study;
 
 pub use angle::{angle, signed_angle};
@@ -99,6 +100,7 @@ pub use potential::Potential;
 pub use scaled::Scaled;
 pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};
+pub use span::{complement, independent_rows};
 #[cfg(feature = "sparse")]
 pub use sparse::{
     ConjugateGradient, ConjugateGradientReport, Inertia, IterativeSolver, JacobianEntries, Ladder,

@@ -104,6 +104,9 @@ const RESERVED: usize = 4096;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
 const NEARLY: f64 = 1e-9;
+/// A step that is small beside the largest unknown but not beside its own is so only where the residual
+/// has fallen to this part of the first: unknowns may differ in size, and in what they mean.
+const FALLEN: f64 = 1e-8;
 /// So are steps of this size relative to the guess, where the solution itself is close to zero.
 const NEARLY_OF_GUESS: f64 = 1e-12;
 /// A residual that stays the same over this many such steps is rounding as well.
@@ -184,7 +187,11 @@ impl Newton {
             }
             report.iterations += 1;
             let longest = largest(iterate.step.as_ref());
-            let nearly = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
+            let small = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
+            let nearly =
+                small && (size <= FALLEN * first || each_within(NEARLY, iterate.step.as_ref(), x));
+            let rounds =
+                longest <= ROUNDING * largest(x) && each_within(ROUNDING, iterate.step.as_ref(), x);
             let start = Start { x, size, nearly };
             let found = search(equation, start, iterate, &mut report);
             match found {
@@ -193,11 +200,12 @@ impl Newton {
                     size = new_size;
                     history.push(size);
                 }
-                None if nearly => {}
+                // Not even a part of it lowers the residual.
+                None if small => {}
                 None => return Err(NewtonFailure::Stalled),
             }
             let stands = nearly && stands_still(history);
-            let rounding = found.is_none() || stands || longest <= ROUNDING * largest(x);
+            let rounding = found.is_none() || stands || rounds;
             if rounding && size > self.tolerance {
                 // A residual larger than at the guess is no rounding, but the end of a fall.
                 if size > first {
@@ -217,6 +225,12 @@ impl Newton {
 fn stands_still(history: &[f64]) -> bool {
     let last = history.len().saturating_sub(STANDSTILL + 1);
     history.len() > STANDSTILL && history[last..].windows(2).all(|pair| pair[0] == pair[1])
+}
+
+/// Whether each step is at most this part of its own unknown.
+#[inline]
+fn each_within(part: f64, step: &[f64], x: &[f64]) -> bool {
+    step.iter().zip(x).all(|(step, x)| step.abs() <= part * x.abs())
 }
 
 #[inline]

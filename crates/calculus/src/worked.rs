@@ -15,6 +15,7 @@
 use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3, matrix};
 
 use crate::Number;
+use crate::equation::power_of_two;
 
 /// The differential of `u . v`.
 pub fn dot_differential<const M: usize, const N: usize>(
@@ -33,7 +34,7 @@ pub fn norm<R: Number, const N: usize>(q: [R; N]) -> R {
 
 /// The differential of the norm: the direction of q, as a row.
 pub fn norm_differential<const N: usize>(q: &SVector<f64, N>) -> RowSVector<f64, N> {
-    q.transpose() / q.norm()
+    direction(q).0.transpose()
 }
 
 /// The hat function `q^ = q/|q|`: the direction of q.
@@ -44,8 +45,16 @@ pub fn hat<R: Number, const N: usize>(q: [R; N]) -> [R; N] {
 
 /// The differential of the hat function.
 pub fn hat_differential<const N: usize>(q: &SVector<f64, N>) -> SMatrix<f64, N, N> {
-    let (norm, unit) = (q.norm(), q / q.norm());
-    (SMatrix::identity() - unit * unit.transpose()) / norm
+    let (unit, [factor, norm]) = direction(q);
+    (SMatrix::identity() - unit * unit.transpose()) / norm / factor
+}
+
+/// The direction of a vector and two numbers whose product is its norm, which may be too large for one.
+fn direction<const N: usize>(q: &SVector<f64, N>) -> (SVector<f64, N>, [f64; 2]) {
+    let factor = power_of_two(q.amax());
+    let scaled = q / factor;
+    let norm = scaled.norm();
+    (scaled / norm, [factor, norm])
 }
 
 /// The differential of the inverse at a matrix M, applied to a change of it.
@@ -122,6 +131,19 @@ mod tests {
 
     fn dynamic<const M: usize, const N: usize>(matrix: SMatrix<f64, M, N>) -> DMatrix<f64> {
         DMatrix::from_column_slice(M, N, matrix.as_slice())
+    }
+
+    #[test]
+    fn differentials_of_norm_and_hat_hold_where_squares_leave_the_range_of_numbers() {
+        for size in [1e-200, 1e-90, 1.0, 1e90, 1e200] {
+            let q = nalgebra::vector![3.0 * size, 4.0 * size];
+            assert!(
+                (norm_differential(&q) - nalgebra::vector![0.6, 0.8].transpose()).amax() < 1e-15
+            );
+            let expected = matrix![0.64, -0.48; -0.48, 0.36] / 5.0;
+            assert!((hat_differential(&q) * size - expected).amax() < 1e-16, "{size}");
+        }
+        assert!(norm_differential(&SVector::<f64, 2>::zeros()).iter().all(|x| x.is_nan()));
     }
 
     #[test]

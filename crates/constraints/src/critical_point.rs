@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use stationary_calculus::{
     Covector, DenseSink, FunctionEquation, Newton, NewtonMemory, NewtonReport, Potential,
-    SizeError, least_norm,
+    SizeError, complement, first_non_finite, independent_rows, least_norm,
 };
 
 use crate::multipliers::DEPENDENT;
@@ -31,7 +31,7 @@ pub enum Kind {
     /// It grows in some and falls in others.
     Saddle,
     /// In some direction its second differential vanishes, to rounding: it decides nothing.
-    /// Newton.s method finds such a point only where it starts there; else its matrix is singular.
+    /// Newton's method finds such a point only where it starts there; else its matrix is singular.
     Degenerate,
 }
 
@@ -54,7 +54,7 @@ pub struct CriticalPoint {
 const FLAT: f64 = 1e-10;
 
 /// Finds the critical point near `guess` of a function on the surface where a constraint vanishes,
-/// at the time zero.
+/// at the time zero. Residuals are told in the size of df at the guess and in that of the equations.
 ///
 /// # Errors
 /// Sizes that differ, no critical point found, a constraint without full rank there.
@@ -68,27 +68,31 @@ pub fn critical_point(
     SizeError::check("the guess's numbers", n, guess.len())?;
     check_entries(constraint, n, 0.0, guess)?;
     let mut x = guess.to_vec();
-    x.extend(multipliers(f, constraint, guess)?.iter());
+    let units = Units::new(f, constraint, guess)?;
+    x.extend(units.scaled(multipliers(f, constraint, guess)?.as_slice()));
     let residual = |x: &[f64], r: &mut [f64]| {
-        let (q, lambda) = x.split_at(n);
+        let (q, scaled) = x.split_at(n);
+        let lambda = units.multipliers(scaled);
         let (above, below) = r.split_at_mut(n);
         above.fill(0.0);
         f.add_differential(q, Covector(&mut *above));
-        let pulled = add_pulled_back(constraint, 0.0, q, -1.0, lambda, Covector(above));
+        let pulled = add_pulled_back(constraint, 0.0, q, -1.0, &lambda, Covector(&mut *above));
+        above.iter_mut().for_each(|df| *df /= units.force);
         match pulled.and_then(|()| constraint.value(0.0, q, below)) {
-            Ok(()) => below.iter_mut().for_each(|g| *g = -*g),
+            Ok(()) => below.iter_mut().zip(&units.rows).for_each(|(g, unit)| *g = -*g / unit),
             // Newton's method ends where it meets such numbers.
             Err(_) => below.fill(f64::NAN),
         }
     };
     let matrix = |x: &[f64], matrix: &mut [f64]| {
-        let (q, lambda) = x.split_at(n);
-        let curvature = curvature(f, constraint, q, lambda);
-        let (Ok(curvature), Ok(j)) = (curvature, differential(constraint, q, n)) else {
+        let (q, scaled) = x.split_at(n);
+        let curvature = curvature(f, constraint, q, &units.multipliers(scaled));
+        let (Ok(curvature), Ok(mut j)) = (curvature, differential(constraint, q, n)) else {
             return matrix.fill(f64::NAN);
         };
+        j.row_iter_mut().zip(&units.rows).for_each(|(mut row, unit)| row /= *unit);
         let mut matrix = nalgebra::DMatrixViewMut::from_slice(matrix, n + m, n + m);
-        matrix.view_mut((0, 0), (n, n)).copy_from(&curvature);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&(curvature / units.force));
         matrix.view_mut((n, 0), (m, n)).copy_from(&-&j);
         matrix.view_mut((0, n), (n, m)).copy_from(&-j.transpose());
     };
@@ -101,11 +105,53 @@ pub fn critical_point(
         got,
     })?;
     let report = newton.solve(&mut equation, &mut x, &mut memory)?;
-    let multipliers = x.split_off(n);
+    let multipliers = units.multipliers(&x.split_off(n));
     let curvatures = on_tangent_space(f, constraint, &x, &multipliers)?;
     let size = curvature(f, constraint, &x, &multipliers)?.amax();
     let kind = kind(&curvatures, FLAT * size);
     Ok(CriticalPoint { q: x, multipliers, kind, curvatures, newton: report })
+}
+
+/// Units in which forces and equations are numbers of one size, so that neither hides the other: powers
+/// of two.
+struct Units {
+    force: f64,
+    rows: Vec<f64>,
+}
+
+impl Units {
+    fn new(
+        f: &impl Potential,
+        constraint: &impl Constraint,
+        q: &[f64],
+    ) -> Result<Self, ConstraintError> {
+        let n = q.len();
+        let mut df = vec![0.0; n];
+        f.add_differential(q, Covector(&mut df));
+        let mut size = largest(&df);
+        if size == 0.0 {
+            size = curvature(f, constraint, q, &vec![0.0; constraint.count()])?.amax();
+        }
+        let scales = (0..constraint.count()).map(|row| constraint.scale(row));
+        let rows = scales.map(|scale| power_of_two(scale.slope * scale.length)).collect();
+        Ok(Units { force: power_of_two(size), rows })
+    }
+
+    fn scaled(&self, lambda: &[f64]) -> Vec<f64> {
+        lambda.iter().zip(&self.rows).map(|(lambda, unit)| lambda * unit / self.force).collect()
+    }
+
+    fn multipliers(&self, scaled: &[f64]) -> Vec<f64> {
+        scaled.iter().zip(&self.rows).map(|(lambda, unit)| lambda * self.force / unit).collect()
+    }
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+fn power_of_two(size: f64) -> f64 {
+    if size.is_normal() { 2.0_f64.powi(size.log2().round() as i32) } else { 1.0 }
 }
 
 /// The multipliers that come closest to `df = lambda^T dg`.
@@ -182,12 +228,13 @@ fn on_tangent_space(
         // A point by itself.
         return Ok(Vec::new());
     }
-    // The n - m smallest eigenvalues of J^T J are zero, and their vectors span the tangent space.
-    let normal = SymmetricEigen::new(j.transpose() * &j);
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&a, &b| normal.eigenvalues[a].total_cmp(&normal.eigenvalues[b]));
-    let tangent = normal.eigenvectors.select_columns(&order[..n - m]);
-    let form = tangent.transpose() * curvature(f, constraint, q, lambda)? * &tangent;
+    let (_, normal) = independent_rows(&j, 0.0);
+    let tangent = complement(normal, n);
+    let curvature = curvature(f, constraint, q, lambda)?;
+    if let Some(index) = first_non_finite(curvature.as_slice()) {
+        return Err(ConstraintError::NonFinite { what: "second differential", index });
+    }
+    let form = tangent.transpose() * curvature * &tangent;
     let mut curvatures: Vec<f64> = SymmetricEigen::new(form).eigenvalues.iter().copied().collect();
     curvatures.sort_by(f64::total_cmp);
     Ok(curvatures)
@@ -246,6 +293,134 @@ mod tests {
                 (0..3).filter(|&j| j != axis).map(|j| 2.0 * (j as f64 - axis as f64)).collect();
             expected.sort_by(f64::total_cmp);
             assert!(point.curvatures.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+    }
+
+    /// f = y w + 0.3 w x on the unit circle, whatever the unit w of energy.
+    struct Tilted(f64);
+
+    impl Energy<2> for Tilted {
+        fn energy<R: Number>(&self, [x, y]: [R; 2]) -> R {
+            (y + x * 0.3) * self.0
+        }
+    }
+
+    #[derive(Clone, Debug)]
+    struct Circle;
+
+    impl Level<2> for Circle {
+        fn value<R: Number>(&self, _: R, [x, y]: [R; 2]) -> R {
+            x * x + y * y - 1.0
+        }
+    }
+
+    #[test]
+    fn the_unit_of_energy_changes_neither_the_point_nor_the_steps_there() {
+        let circle = LevelSet::new(0, Circle);
+        let find = |w: f64| {
+            let tilted = Automatic(Tilted(w));
+            critical_point(&tilted, &circle, &[0.6, -0.8], Newton::default()).unwrap()
+        };
+        let expected = find(1.0);
+        assert_eq!(expected.kind, Kind::Minimum);
+        for w in [1e-30, 1e-6, 1e6, 1e13, 1e30] {
+            let found = find(w);
+            assert!(found.q.iter().zip(&expected.q).all(|(a, b)| (a - b).abs() < 1e-14), "{w}");
+            assert!((found.multipliers[0] / w / expected.multipliers[0] - 1.0).abs() < 1e-13);
+            assert!(found.newton.iterations.abs_diff(expected.newton.iterations) <= 2, "{w}");
+        }
+    }
+
+    /// f = 1e9 (x^2 + y^2)/2 + 1e6 y z + z^2/2, turned.
+    struct Turned;
+
+    impl Energy<3> for Turned {
+        fn energy<R: Number>(&self, [x, y, z]: [R; 3]) -> R {
+            let turned = |a: [f64; 3]| x * a[0] + y * a[1] + z * a[2];
+            let [x, y, z] = TURN.map(turned);
+            x * x * 5e8 + y * y * 5e8 + y * z * 1e6 + z * z * 0.5
+        }
+    }
+
+    /// The rows of a rotation.
+    const TURN: [[f64; 3]; 3] = [
+        [2.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0],
+        [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0],
+        [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0],
+    ];
+
+    #[test]
+    fn rows_that_are_nearly_parallel_do_not_spoil_the_curvatures() {
+        for apart in [1e-2, 1e-4, 3e-5] {
+            let row = |a: [f64; 3]| {
+                (
+                    (0..3)
+                        .map(|k| (k, (0..3).map(|i| a[i] * TURN[i][k]).sum()))
+                        .collect::<Vec<_>>(),
+                    1.0,
+                )
+            };
+            let held = Linear::new(vec![row([1.0, 0.0, 0.0]), row([1.0, apart, 0.0])]).unwrap();
+            let found =
+                critical_point(&Automatic(Turned), &held, &[0.1, 0.2, 0.3], Newton::default());
+            let curvature = found.unwrap().curvatures[0];
+            // The rows themselves are rounded: 1e-16/apart of the form's 1e6 beside the curvature 1.
+            assert!((curvature - 1.0).abs() < 1e-9 / apart, "{apart}: {curvature}");
+        }
+    }
+
+    #[test]
+    fn a_second_differential_that_is_not_finite_is_an_error() {
+        /// Slopes of roots, which are vertical at zero.
+        struct Roots;
+        impl Potential for Roots {
+            fn dim(&self) -> usize {
+                2
+            }
+            fn energy(&self, q: &[f64]) -> f64 {
+                q.iter().map(|q| q.abs().powf(1.5) / 1.5).sum()
+            }
+            fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+                dv.0.iter_mut().zip(q).for_each(|(dv, q)| *dv += q.abs().sqrt().copysign(*q));
+            }
+            fn add_hessian(&self, q: &[f64], hessian: &mut impl stationary_calculus::Sink) {
+                for (k, q) in q.iter().enumerate() {
+                    hessian.add_symmetric(&[k], &[0.5 / q.abs().sqrt()]);
+                }
+            }
+        }
+        let held = Linear::new(vec![(vec![(0, 1.0), (1, 1.0)], 0.0)]).unwrap();
+        let error = critical_point(&Roots, &held, &[0.0, 0.0], Newton::default()).unwrap_err();
+        assert!(matches!(error, ConstraintError::NonFinite { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_freedom_far_away_does_not_end_the_search_at_the_guess() {
+        /// A coordinate of its own beside two on a circle.
+        struct Beside(f64);
+        impl Energy<3> for Beside {
+            fn energy<R: Number>(&self, [y, z, x]: [R; 3]) -> R {
+                let off = x - R::from(self.0);
+                off * off * 0.5 + z * 3.0 + y * 0.9 + y * z
+            }
+        }
+        let find = |far: f64| {
+            let circle = LevelSet::new(0, Circle);
+            let found = critical_point(
+                &Automatic(Beside(far)),
+                &circle,
+                &[-0.3, -1.0, far],
+                Newton::default(),
+            );
+            found.map(|found| [found.q[0], found.q[1]])
+        };
+        let expected = find(1.0).unwrap();
+        for far in [1e6, 1e10, 1e12] {
+            let found = find(far).unwrap();
+            assert!(
+                found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12),
+                "{far}: {found:?}"
+            );
         }
     }
 

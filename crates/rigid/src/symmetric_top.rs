@@ -36,20 +36,29 @@ impl SymmetricTop {
         }
         // The root of one sign with the momentum does not cancel.
         let sum = momentum + root.copysign(momentum);
-        Some([2.0 * self.weight_moment / sum, 0.5 * sum / lever])
+        let rates = [2.0 * self.weight_moment / sum, 0.5 * sum / lever];
+        rates.iter().all(|rate| !rate.is_nan()).then_some(rates)
     }
 
     /// The smallest and the largest tilt that the axis reaches, radians, from an orientation and an
-    /// angular momentum (body axes) at any time. At steady precession they agree to the square root
+    /// angular momentum (body axes) at any time. About steady precession they agree to the square root
     /// of rounding.
     pub fn nutation(&self, rotation: &Rotation, m: &Vector3<f64>) -> [f64; 2] {
         let up = rotation.rotate_back(&Vector3::z());
-        let kinetic = (m.x * m.x + m.y * m.y) / self.across;
-        let alpha = kinetic / self.across + 2.0 * self.weight_moment * up.z / self.across;
+        let [x, y, a] = [m.x, m.y, m.z].map(|m| m / self.across);
         let beta = 2.0 * self.weight_moment / self.across;
-        let (a, b) = (m.z / self.across, up.dot(m) / self.across);
-        let roots = real_roots(beta, -(alpha + a * a), 2.0 * a * b - beta, alpha - b * b);
-        [roots[1], roots[0]].map(|u| u.clamp(-1.0, 1.0).acos())
+        let (swing, lean) = (x * x + y * y, up.x * up.x + up.y * up.y);
+        let slope = 2.0 * a * (up.x * x + up.y * y) - 2.0 * up.z * swing - beta * lean;
+        let bend = 2.0 * up.z * beta - swing - a * a;
+        // 1 - u and 1 + u, neither by a difference that cancels.
+        let nearer = lean / (1.0 + up.z.abs());
+        let (above, below) =
+            if up.z > 0.0 { (nearer, 2.0 - nearer) } else { (2.0 - nearer, nearer) };
+        let rate = (up.x * y - up.y * x).powi(2);
+        let rise = reach([rate, slope, bend, beta], above);
+        let fall = reach([rate, -slope, bend, -beta], below);
+        let angle = |above: f64, below: f64| 2.0 * above.sqrt().atan2(below.sqrt());
+        [angle(above - rise, below + rise), angle(above + fall, below - fall)]
     }
 
     /// The body, of a mass that does not matter to it.
@@ -69,20 +78,23 @@ pub fn tilt(rotation: &Rotation) -> f64 {
     axis.x.hypot(axis.y).atan2(axis.z)
 }
 
-/// The roots, ascending, of `c3 u^3 + c2 u^2 + c1 u + c0`, `c3 > 0`, all of which are real.
-fn real_roots(c3: f64, c2: f64, c1: f64, c0: f64) -> [f64; 3] {
-    let (p, q, r) = (c2 / c3, c1 / c3, c0 / c3);
-    let shift = p / 3.0;
-    let radius = (shift * shift - q / 3.0).max(0.0).sqrt();
-    let product = shift * shift * shift - shift * q / 2.0 + r / 2.0;
-    let angle = if radius > 0.0 { (product / radius.powi(3)).clamp(-1.0, 1.0).acos() } else { 0.0 };
-    let root = |k: f64| {
-        let turn = (angle + k * std::f64::consts::TAU) / 3.0;
-        -2.0 * radius * turn.cos() - shift
-    };
-    let mut roots = [root(0.0), root(1.0), root(-1.0)];
-    roots.sort_by(f64::total_cmp);
-    roots
+/// Where `c0 + c1 w + c2 w^2 + c3 w^3`, positive from w = 0 on, becomes negative before `end`.
+fn reach([c0, c1, c2, c3]: [f64; 4], end: f64) -> f64 {
+    let cubic = |w: f64| c0 + w * (c1 + w * (c2 + w * c3));
+    let beyond = |w: f64| c1 + w * (c2 + w * c3);
+    if c0 == 0.0 && c1 <= 0.0 {
+        return 0.0;
+    }
+    let (mut inside, mut outside) = (0.0, end);
+    loop {
+        let middle = 0.5 * (inside + outside);
+        if middle <= inside || middle >= outside || middle.is_nan() {
+            return middle;
+        }
+        // From a turning point the root at w = 0 is divided out.
+        let positive = if c0 == 0.0 { beyond(middle) > 0.0 } else { cubic(middle) > 0.0 };
+        *(if positive { &mut inside } else { &mut outside }) = middle;
+    }
 }
 
 #[cfg(test)]
@@ -90,15 +102,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn three_real_roots_are_found() {
-        for expected in [[-2.0, 0.5, 3.0], [-1.0, -0.9, 10.0], [1.0, 2.0, 2.5]] {
-            let [x, y, z] = expected;
-            let c = [2.0, -2.0 * (x + y + z), 2.0 * (x * y + y * z + z * x), -2.0 * x * y * z];
-            let roots = real_roots(c[0], c[1], c[2], c[3]);
-            for (a, b) in roots.iter().zip(&expected) {
-                assert!((a - b).abs() < 1e-9, "{roots:?}");
-            }
+    fn the_nodding_of_fast_and_of_lightly_loaded_tops_is_not_lost() {
+        let start = Rotation::exp(Vector3::x() * 0.5);
+        for (weight_moment, spin) in [(0.5, 6e3), (0.5, 6e5), (1e-6, 6e3), (0.0, 6e3), (1e-3, 1e8)]
+        {
+            let top = SymmetricTop { across: 0.02, along: 0.005, weight_moment };
+            let [least, most] = top.nutation(&start, &Vector3::new(0.0, 0.0, 0.005 * spin));
+            // Let go from rest a fast top nods by the angle beta sin(theta)/a^2.
+            let a: f64 = 0.25 * spin;
+            let nod = 2.0 * weight_moment / 0.02 * 0.5_f64.sin() / (a * a);
+            assert!((least - 0.5).abs() < 1e-15, "{least}");
+            assert!(
+                (most - 0.5 - nod).abs() < 1e-15 + 10.0 * nod * nod,
+                "{weight_moment} {spin}: {most}"
+            );
         }
+    }
+
+    #[test]
+    fn a_pendulum_reaches_the_same_angle_on_both_sides_and_a_fast_one_goes_over() {
+        let top = SymmetricTop { across: 1.0, along: 0.5, weight_moment: 2.0 };
+        let down = Rotation::exp(Vector3::x() * std::f64::consts::PI);
+        for speed in [1e-6_f64, 0.1, 1.0, 2.0] {
+            let [least, most] = top.nutation(&down, &Vector3::new(speed, 0.0, 0.0));
+            assert!((most - std::f64::consts::PI).abs() < 1e-15);
+            let height = speed * speed / 4.0;
+            let expected = std::f64::consts::PI - 2.0 * (0.5 * height).sqrt().asin();
+            assert!((least - expected).abs() < 1e-14, "{speed}: {least} {expected}");
+        }
+        assert_eq!(top.nutation(&down, &Vector3::new(5.0, 0.0, 0.0))[0], 0.0);
     }
 
     #[test]

@@ -211,6 +211,28 @@ fn a_residual_that_stands_still_at_a_root_near_zero_is_rounding() {
 }
 
 #[test]
+fn an_unknown_far_larger_than_another_does_not_end_the_search_for_it() {
+    for far in [1.0, 1e6, 1e9, 1e12, 1e15] {
+        for unit in [1e-9, 1e-6, 1.0] {
+            let mut equation = FunctionEquation::new(
+                2,
+                |x: &[f64], f: &mut [f64]| {
+                    f[0] = x[0] / far - 1.0;
+                    f[1] = (x[1] / unit).powi(2) - 1.0;
+                },
+                |x: &[f64], df: &mut [f64]| {
+                    df.copy_from_slice(&[1.0 / far, 0.0, 0.0, 2.0 * x[1] / unit / unit]);
+                },
+            );
+            let mut memory = NewtonMemory::<[f64; 2]>::new(2, 50).unwrap();
+            let mut x = [far, 1e3 * unit];
+            Newton::default().solve(&mut equation, &mut x, &mut memory).unwrap();
+            assert!((x[1] / unit - 1.0).abs() < 1e-14, "{far} {unit}: {x:?}");
+        }
+    }
+}
+
+#[test]
 fn a_root_at_zero_among_rounding_noise_is_found() {
     // Near x = 0 the residual is the rounding noise of two forces of size 1e3.
     let f = |x: f64| (1e3 + x) * (1.0 + x / 3e3) - (1e3 - x) * (1.0 - x / 7e3);

@@ -13,6 +13,7 @@ use stationary_calculus::{SizeError, least_norm};
 use stationary_constraints::{Constraint, Rows};
 
 use super::MechanismError;
+use super::error::check_finite;
 use crate::{Body, BodyMetric, BodySpace};
 
 /// Singular values below this part of the largest are zero.
@@ -20,11 +21,18 @@ pub(super) const DEPENDENT: f64 = 1e-9;
 /// Between this and [`DEPENDENT`] none may lie.
 pub(super) const CLEAR: f64 = 1e-7;
 
-struct Full<'a>(&'a mut DMatrix<f64>);
+/// A matrix of rows, and the freedoms that they ask for.
+struct Full {
+    matrix: DMatrix<f64>,
+    asked: usize,
+}
 
-impl Rows for Full<'_> {
+impl Rows for Full {
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
-        self.0[(row, freedom)] += value;
+        self.asked = self.asked.max(freedom + 1);
+        if let Some(entry) = self.matrix.get_mut((row, freedom)) {
+            *entry += value;
+        }
     }
 }
 
@@ -35,10 +43,14 @@ pub(super) fn full(
     t: f64,
     q: &[f64],
 ) -> Result<DMatrix<f64>, MechanismError> {
-    let mut j = DMatrix::zeros(constraint.count(), n);
-    constraint.differential(t, q, &mut Full(&mut j))?;
-    super::error::check_finite("the differential", j.as_slice())?;
-    Ok(j)
+    check_finite("the configuration", q)?;
+    let mut full = Full { matrix: DMatrix::zeros(constraint.count(), n), asked: 0 };
+    constraint.differential(t, q, &mut full)?;
+    if full.asked > n {
+        SizeError::check("the metric's freedoms", full.asked, n)?;
+    }
+    check_finite("the differential", full.matrix.as_slice())?;
+    Ok(full.matrix)
 }
 
 /// 1/slope of each equation.
@@ -102,7 +114,10 @@ pub(super) fn rank(g: &DMatrix<f64>) -> Result<usize, MechanismError> {
     if g.is_empty() {
         return Ok(0);
     }
-    let solved = least_norm(g, &DVector::zeros(g.nrows()), DEPENDENT)?;
+    let mut g = g.clone();
+    // Metres and radians alike.
+    g.row_iter_mut().for_each(|mut row| row /= row.norm().max(f64::MIN_POSITIVE));
+    let solved = least_norm(&g, &DVector::zeros(g.nrows()), DEPENDENT)?;
     let values = &solved.singular_values;
     let largest = values.get(0).copied().unwrap_or(0.0);
     let last = solved.rank.checked_sub(1).and_then(|k| values.get(k));
@@ -112,50 +127,6 @@ pub(super) fn rank(g: &DMatrix<f64>) -> Result<usize, MechanismError> {
         return Err(MechanismError::RankUnclear { above: above / largest, below });
     }
     Ok(solved.rank)
-}
-
-/// The rows that no rows before them imply, to this part of their lengths, and an orthonormal basis of
-/// their span: by Gram and Schmidt, twice.
-pub(super) fn independent(a: &DMatrix<f64>, least: f64) -> (Vec<usize>, Vec<DVector<f64>>) {
-    let (mut rows, mut basis) = (Vec::new(), Vec::<DVector<f64>>::new());
-    for (number, row) in a.row_iter().enumerate() {
-        let length = row.norm();
-        let rest = beside(&basis, row.transpose());
-        if length > 0.0 && rest.norm() > least * length {
-            rows.push(number);
-            basis.push(rest.normalize());
-        }
-    }
-    (rows, basis)
-}
-
-/// An orthonormal basis of all that is normal to an orthonormal one, n numbers each.
-pub(super) fn complement(mut basis: Vec<DVector<f64>>, n: usize) -> DMatrix<f64> {
-    let span = basis.len();
-    let mut left = DVector::repeat(n, 1.0);
-    let take = |left: &mut DVector<f64>, unit: &DVector<f64>| {
-        left.zip_apply(unit, |left, entry| *left -= entry * entry);
-    };
-    basis.iter().for_each(|unit| take(&mut left, unit));
-    while basis.len() < n {
-        let mut axis = DVector::zeros(n);
-        axis[left.imax()] = 1.0;
-        let unit = beside(&basis, axis).normalize();
-        take(&mut left, &unit);
-        basis.push(unit);
-    }
-    DMatrix::from_fn(n, n - span, |row, column| basis[span + column][row])
-}
-
-/// What of a vector is normal to an orthonormal basis.
-fn beside(basis: &[DVector<f64>], mut rest: DVector<f64>) -> DVector<f64> {
-    for _ in 0..2 {
-        for unit in basis {
-            let part = unit.dot(&rest);
-            rest.axpy(-part, unit, 1.0);
-        }
-    }
-    rest
 }
 
 /// Equations that are independent, in the metric of the masses.

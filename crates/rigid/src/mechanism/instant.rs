@@ -13,12 +13,13 @@
 
 use nalgebra::{DVector, Vector3};
 use stationary_calculus::{
-    Covector, Force, Metric, Potential, ProductSink, SizeError, System, Vector, least_norm,
+    Covector, Force, Metric, Potential, ProductSink, SizeError, System, Vector, independent_rows,
+    least_norm,
 };
 use stationary_constraints::Constraint;
 
 use super::MechanismError;
-use super::differential::{DEPENDENT, Held, full, geometric, independent, inverse_roots, weights};
+use super::differential::{DEPENDENT, Held, full, geometric, inverse_roots, weights};
 use super::error::check_finite;
 use crate::{BodyMetric, BodySpace};
 
@@ -64,7 +65,7 @@ pub fn instant<P: Potential, S: BodySpace>(
         return Ok(Instant { accelerations: falling.data.into(), multipliers: Vec::new() });
     }
     let g = geometric(metric, constraint, j.clone())?;
-    let (rows, _) = independent(&g, DEPENDENT);
+    let (rows, _) = independent_rows(&g, DEPENDENT);
     let roots = inverse_roots(metric);
     let held = Held::new(&j, rows, &roots)?;
     let asked = &j * &falling + &bend;

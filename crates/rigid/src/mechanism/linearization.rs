@@ -11,14 +11,13 @@
 
 use nalgebra::{DMatrix, DVector};
 use stationary_calculus::{
-    Covector, DenseSink, DiagonalMetric, MetricError, Potential, Sink, System,
+    Covector, DenseSink, DiagonalMetric, MetricError, Potential, Sink, System, complement,
+    independent_rows,
 };
 use stationary_constraints::Constraint;
 
 use super::MechanismError;
-use super::differential::{
-    CLEAR, Held, complement, full, geometric, independent, inverse_roots, rank,
-};
+use super::differential::{CLEAR, Held, full, geometric, inverse_roots, rank};
 use super::error::check_finite;
 use crate::{BodyMetric, BodySpace};
 
@@ -52,12 +51,12 @@ pub fn linearize<P: Potential, S: BodySpace>(
     let (metric, roots) = (system.metric(), inverse_roots(system.metric()));
     let j = full(constraint, n, t, q)?;
     let g = geometric(metric, constraint, j.clone())?;
-    let (rows, _) = independent(&g, CLEAR);
+    let (rows, _) = independent_rows(&g, CLEAR);
     if rows.len() != rank(&g)? {
         return Err(MechanismError::RankUnclear { above: CLEAR, below: CLEAR });
     }
     let held = Held::new(&j, rows, &roots)?;
-    let (_, span) = independent(&held.b, 0.0);
+    let (_, span) = independent_rows(&held.b, 0.0);
     let free = complement(span, n);
     let mut dv = Covector(vec![0.0; n]);
     system.potential().add_differential(q, dv.view_mut());

@@ -6,10 +6,11 @@
 //! An equation is redundant at a pose; at a singular pose more are than elsewhere, and the mobility is
 //! that of the instant, larger than the one of the motion.
 
+use stationary_calculus::independent_rows;
 use stationary_constraints::Constraint;
 
 use super::MechanismError;
-use super::differential::{CLEAR, full, geometric, independent, rank};
+use super::differential::{CLEAR, full, geometric, rank};
 use crate::{BodyMetric, BodySpace, JointName};
 
 /// What joints leave free at a pose.
@@ -49,7 +50,7 @@ pub fn mobility<S: BodySpace, K: Constraint>(
     let n = S::FREEDOMS * metric.bodies().len();
     let g = geometric(metric, constraints, full(constraints, n, t, q)?)?;
     let rank = rank(&g)?;
-    let (held, _) = independent(&g, CLEAR);
+    let (held, _) = independent_rows(&g, CLEAR);
     if held.len() != rank {
         return Err(MechanismError::RankUnclear { above: CLEAR, below: CLEAR });
     }
