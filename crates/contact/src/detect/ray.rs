@@ -64,7 +64,8 @@ pub(crate) fn on_round(
         let at = start + direction * t;
         point.place(&Pose::from_translation(vector(&at)), &mut place);
         let Direction { gap, normal, .. } = separate([&own, &place], f64::INFINITY)?;
-        if gap <= ROUNDING * (solid.size + at.norm()) {
+        // Of a place far along the ray no more digits are known than of its distance.
+        if gap <= ROUNDING * (solid.size + at.norm() + t) {
             return Some((t, if t > 0.0 { normal } else { -direction }));
         }
         let closing = -normal.dot(direction);

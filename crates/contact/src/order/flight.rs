@@ -71,6 +71,21 @@ pub trait Flies: Dimension {
     /// The turn from one pose of a body to another, radians, body axes.
     fn turn_between(from: &[f64], to: &[f64], body: usize) -> Self::Spin;
 
+    /// Writes where a body is after a part of its chord, or beyond it.
+    ///
+    /// # Errors
+    /// Poses that are not finite.
+    fn place_on_chord(
+        [from, to]: [&[f64]; 2],
+        body: usize,
+        part: f64,
+        q: &mut [f64],
+    ) -> Result<(), ContactError> {
+        let pose = chord::<Self>(from, to, body)?.at(part);
+        q[Self::STORED * body..][..Self::STORED].copy_from_slice(Self::numbers(&pose).as_ref());
+        Ok(())
+    }
+
     /// A bound on the rate at which the angular velocity of a body changes without torque, rad/s^2.
     fn gyroscopic(metric: &Self::Metric, p: &[f64], body: usize) -> f64;
 }
@@ -91,6 +106,19 @@ impl Flies for crate::Planar {
 
     fn turn_between(from: &[f64], to: &[f64], body: usize) -> f64 {
         to[3 * body + 2] - from[3 * body + 2]
+    }
+
+    /// As numbers, so that angles go on counting whole turns.
+    fn place_on_chord(
+        [from, to]: [&[f64]; 2],
+        body: usize,
+        part: f64,
+        q: &mut [f64],
+    ) -> Result<(), ContactError> {
+        for k in 3 * body..3 * body + 3 {
+            q[k] = from[k] + part * (to[k] - from[k]);
+        }
+        Ok(())
     }
 
     fn gyroscopic(_: &Self::Metric, _: &[f64], _: usize) -> f64 {

@@ -3,7 +3,7 @@
 use stationary_integrators::State;
 
 use crate::ContactError;
-use crate::order::flight::{Flies, chord};
+use crate::order::flight::Flies;
 
 /// How a piece moves from its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +74,7 @@ pub(crate) fn between<G: Flies>(
     let mut state = end.clone();
     state.t = t;
     for body in 0..end.p.0.len() / G::FREEDOMS {
-        let pose = chord::<G>(&start.q, &end.q, body)?.at(part);
-        state.q[G::STORED * body..][..G::STORED].copy_from_slice(G::numbers(&pose).as_ref());
+        G::place_on_chord([&start.q, &end.q], body, part, &mut state.q)?;
     }
     if motion == Motion::Even {
         let ends = start.p.0.iter().zip(&end.p.0);

@@ -250,3 +250,28 @@ fn works_and_impulses_are_those_of_coulomb_and_of_the_weight() {
         assert!(works[1].abs() < 1e-12 && works[2].abs() < 1e-12, "{works:?}");
     }
 }
+
+#[test]
+fn a_disc_that_rolls_counts_its_whole_turns_at_every_moment() {
+    let metric = DiagonalMetric::new(vec![1.0, 1.0, 0.02]).unwrap();
+    let gravity = Vector2::new(0.0, -9.81);
+    let system = System::new(metric, PlanarWeight { gravity, masses: vec![1.0] }).unwrap();
+    let floor = PlanarShape::half_plane(Vector2::y()).unwrap();
+    let colliders = vec![
+        PlanarCollider::on_body(0, PlanarShape::disc(0.2).unwrap()).with_friction(0.5),
+        PlanarCollider::fixed(PlanarMotion::identity(), floor),
+    ];
+    let world = PlanarWorld::new(system, PlanarDetector::new(colliders, 1).unwrap()).unwrap();
+    let mut chosen = ErrorControlled::new(world, 1e-4).unwrap();
+    let mut state = State::new(vec![0.0, 0.2, 0.0], Covector(vec![1.0, 0.0, -0.1]));
+    for second in 0..4 {
+        let start = f64::from(second);
+        chosen.advance(&mut state, 1.0).unwrap();
+        assert!((state.q[2] + 5.0 * state.t).abs() < 1e-3, "{}", state.q[2]);
+        for k in 0..=10 {
+            let t = start + 0.1 * f64::from(k);
+            let Ok(seen) = chosen.state_at(t) else { continue };
+            assert!((seen.q[2] + 5.0 * t).abs() < 1e-3, "{t}: {}", seen.q[2]);
+        }
+    }
+}

@@ -101,6 +101,26 @@ fn rays_end_on_the_surface_they_meet_first_and_pass_what_they_do_not_meet() {
 }
 
 #[test]
+fn round_solids_are_met_from_far_away_as_from_near() {
+    for (shape, outside) in solids() {
+        let mut random = SplitMix64::new(32);
+        let mut detector =
+            Detector::new(vec![Collider::fixed(at(0.0, 0.0, 0.0), shape)], 0).unwrap();
+        for _ in 0..200 {
+            let (d, aim) = (vector(&mut random).normalize(), vector(&mut random) * 0.2);
+            let far = 10.0_f64.powf(5.0 * random.symmetric().abs()).max(6.0);
+            if outside(&aim) > 0.0 || outside(&(aim - d * far)) < 0.0 {
+                continue;
+            }
+            let hit = detector.cast_ray(&[], aim - d * far, d, 2.0 * far).unwrap().unwrap();
+            let off = outside(&(aim + d * (hit.distance - far)));
+            // To the rounding of where the ray starts.
+            assert!(off.abs() < 1e-13 * far, "{far}: {off}");
+        }
+    }
+}
+
+#[test]
 fn a_ray_meets_the_nearest_of_many_and_the_side_of_a_mesh_that_it_comes_from() {
     let triangle = [V::new(-1.0, -1.0, 0.0), V::new(1.0, -1.0, 0.0), V::new(0.0, 1.0, 0.0)];
     let colliders = vec![

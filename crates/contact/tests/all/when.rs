@@ -1,7 +1,9 @@
 //! A ball that falls and bounces, for each choice of when the impulse is given (notes 11.4).
 
 use stationary_calculus::{Covector, DiagonalMetric, System};
-use stationary_contact::{Balls, ContactError, ImpactLaw, Impacting, Inequality, Wall, When};
+use stationary_contact::{
+    Balls, ContactError, FixedBall, ImpactLaw, Impacting, Inequality, Wall, When,
+};
 use stationary_integrators::{State, UniformGravity};
 use stationary_measure::loglog_slope;
 
@@ -219,5 +221,48 @@ fn the_impulses_that_a_step_shows_and_the_weight_are_the_change_of_momentum() {
         }
         let change = state.p.0[0] - 0.3 + G * state.t;
         assert!(moments > 2 && (given - change).abs() < 1e-11 * given, "{when:?} {given} {change}");
+    }
+}
+
+#[test]
+fn a_ball_thrown_at_a_ceiling_turns_there_however_long_the_step() {
+    let potential = UniformGravity::<2> { masses: vec![1.0], acceleration: [0.0, -9.81] };
+    let system = System::new(DiagonalMetric::new(vec![1.0; 2]).unwrap(), potential).unwrap();
+    let ceiling = Wall { normal: [0.0, -1.0], offset: -1.001 };
+    let gaps = Inequality(Balls::<2>::new(vec![1e-3], vec![ceiling]).unwrap());
+    let at_the_ceiling = (25.0_f64 - 2.0 * 9.81).sqrt();
+    for steps in [1, 2, 9, 90] {
+        let law = ImpactLaw::GeneralizedReflections;
+        let mut method = Impacting::new(&system, &gaps, 1.0, law, When::AtTheInstant).unwrap();
+        let mut state = State::new(vec![0.0; 2], Covector(vec![0.0, 5.0]));
+        let impacts: usize = (0..steps)
+            .map(|_| method.step(&mut state, 0.9 / f64::from(steps)).unwrap().impacts)
+            .sum();
+        let left = 0.9 - (5.0 - at_the_ceiling) / 9.81;
+        let expected = 1.0 - at_the_ceiling * left - 0.5 * 9.81 * left * left;
+        assert_eq!(impacts, 1, "{steps}");
+        assert!((state.q[1] - expected).abs() < 1e-11, "{steps}: {} {expected}", state.q[1]);
+    }
+}
+
+#[test]
+fn a_particle_that_clears_a_ball_by_a_millimetre_meets_nothing_however_long_the_step() {
+    let potential = UniformGravity::<2> { masses: vec![1.0], acceleration: [0.0, -9.81] };
+    let system = System::new(DiagonalMetric::new(vec![1.0; 2]).unwrap(), potential).unwrap();
+    // The top of the way is 0.5 g 0.125^2 above the start.
+    let top = 0.5 * 9.81 * 0.125 * 0.125;
+    for (clearance, expected) in [(1e-3, 0), (1e-6, 0), (-1e-6, 1), (-1e-3, 1)] {
+        let fixed = FixedBall { centre: [0.0, top - 0.6 - clearance], radius: 0.5 };
+        let balls = Balls::<2>::new(vec![0.1], vec![]).unwrap().with_fixed(vec![fixed]).unwrap();
+        let gaps = Inequality(balls);
+        for steps in [1, 4, 50] {
+            let law = ImpactLaw::GeneralizedReflections;
+            let mut method = Impacting::new(&system, &gaps, 1.0, law, When::AtTheInstant).unwrap();
+            let mut state = State::new(vec![-1.25, 0.0], Covector(vec![10.0, 9.81 * 0.125]));
+            let impacts: usize = (0..steps)
+                .map(|_| method.step(&mut state, 0.25 / f64::from(steps)).unwrap().impacts)
+                .sum();
+            assert_eq!(impacts, expected, "{clearance} {steps}");
+        }
     }
 }

@@ -48,6 +48,7 @@ impl TreeMotion {
     #[inline]
     pub(super) fn put_body(&mut self, body: usize, q: &[f64]) {
         let link = &self.tree.links[body];
+        self.coordinates[link.coordinates.clone()].copy_from_slice(q);
         let (before, own) = self.placed.split_at_mut(body);
         let parent = link.parent.map_or(&self.ground, |parent| &before[parent]);
         let (placed, columns) = (&mut own[0], &mut self.columns[link.speeds.clone()]);

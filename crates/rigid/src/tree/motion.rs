@@ -69,6 +69,7 @@ impl Placed {
 #[derive(Clone, Debug)]
 pub struct TreeMotion {
     pub(super) tree: Tree,
+    pub(super) coordinates: Vec<f64>,
     pub(super) ground: Placed,
     pub(super) placed: Vec<Placed>,
     pub(super) moving: Vec<Moving>,
@@ -93,6 +94,7 @@ impl TreeMotion {
         let (n, f) = (tree.bodies(), tree.speeds());
         let still = Moving { twist: Twist::zero(), bias: Twist::zero() };
         let mut motion = TreeMotion {
+            coordinates: tree.rest(),
             ground: Placed::ground(),
             placed: vec![Placed::ground(); n],
             moving: vec![still; n],
@@ -114,6 +116,11 @@ impl TreeMotion {
     /// The tree.
     pub fn tree(&self) -> &Tree {
         &self.tree
+    }
+
+    /// The coordinates of its joints.
+    pub fn coordinates(&self) -> &[f64] {
+        &self.coordinates
     }
 
     /// The pose of a body: its centre, and what turns its axes into the world's.

@@ -31,6 +31,8 @@ pub(crate) struct JointTree {
     pub(crate) tree: Tree,
     /// The place of each body of the scene in the tree.
     places: Vec<usize>,
+    /// The bodies in the order of the tree, and how each of them starts turned in the plane.
+    order: Vec<(usize, f64)>,
     /// Mass and moments of each.
     inertias: Vec<(f64, Vector3<f64>)>,
     dimension: usize,
@@ -84,6 +86,10 @@ impl Scene {
         Ok(JointTree {
             tree,
             places,
+            order: hung
+                .iter()
+                .map(|hung| (hung.body, self.bodies[hung.body].rotation[2]))
+                .collect(),
             inertias: self.bodies.iter().map(inertia).collect(),
             dimension: self.dimension,
             loops,
@@ -210,6 +216,9 @@ impl JointTree {
         state: &mut State<Vec<f64>>,
     ) -> Result<(), TreeError> {
         let State { q, p, .. } = state;
+        if self.dimension == 2 {
+            self.read_turns(motion, q)?;
+        }
         for (body, (&place, (mass, moments))) in self.places.iter().zip(&self.inertias).enumerate()
         {
             let BodyMotion { pose, velocity, angular_velocity } = motion.body(place)?;
@@ -229,6 +238,25 @@ impl JointTree {
             q[3..].iter_mut().zip(turned).for_each(|(q, c)| *q = if same { c } else { -c });
             p[..3].copy_from_slice(linear.as_slice());
             p[3..].copy_from_slice(moments.component_mul(&angular_velocity).as_slice());
+        }
+        Ok(())
+    }
+
+    /// Writes by how much bodies of the plane are turned, whole turns among it: by what the joints say, whatever
+    /// was read before.
+    fn read_turns(&self, motion: &TreeMotion, q: &mut [f64]) -> Result<(), TreeError> {
+        for (place, &(body, start)) in self.order.iter().enumerate() {
+            let (kind, parent) = self.tree.joint(place)?;
+            let own = &motion.coordinates()[self.tree.coordinates_of(place)?];
+            let turned = match kind {
+                JointKind::Hinge { .. } | JointKind::Planar { .. } => own[own.len() - 1],
+                _ => 0.0,
+            };
+            let of_parent = parent.map_or(0.0, |parent| {
+                let (body, start) = self.order[parent];
+                q[3 * body + 2] - start
+            });
+            q[3 * body + 2] = start + of_parent + turned;
         }
         Ok(())
     }

@@ -365,6 +365,11 @@ pub enum Fault {
     /// Only a scene in space can be seen from several sides.
     #[error("a view needs a scene of dimension 3")]
     ViewDimension,
+    /// Nothing turns about the normal of a contact in the plane.
+    #[error(
+        "`torsion` resists turns about the normal of a contact: it needs a scene of dimension 3"
+    )]
+    TorsionDimension,
     /// The horizon is a whole number of steps.
     #[error("the horizon is {steps} steps of {step}; it must be a whole number of steps")]
     NotWhole {

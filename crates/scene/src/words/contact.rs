@@ -182,6 +182,10 @@ mod compiled {
             return Err(at(place, Fault::OfBodiesOnly(word)));
         }
         let named = by_name(draft, contact)?;
+        let of_space = |pair: &&PairDeclaration| dimension == 2 && pair.torsion.is_some();
+        if let Some(pair) = pairs.iter().find(of_space) {
+            return Err(at(pair.of.span(), Fault::TorsionDimension));
+        }
         let pairs = declare_pairs(pairs, &named, [restitution, friction])?;
         let touching = touching.iter().map(|pair| sides(pair, &named)).collect::<Checked<_>>()?;
         Ok(SceneContact {

@@ -177,3 +177,38 @@ fn too_long_a_step_in_the_coordinates_of_joints_is_an_error_and_chosen_ones_are_
     let run = fast("\"dormand-prince-853\"\ntolerance = 1e-9").unwrap();
     assert_eq!(run.times().len(), 21);
 }
+
+#[test]
+fn a_turn_spring_counts_whole_turns_whatever_steps_are_tried() {
+    let (stiffness, inertia) = (0.2_f64, 1.01 / 12.0 + 0.25);
+    let w = (stiffness / inertia).sqrt();
+    for method in [
+        "\"dormand-prince-853\"\ntolerance = 1e-6",
+        "\"dormand-prince-853\"\ntolerance = 1e-9",
+        "\"dormand-prince-54\"\ntolerance = 1e-9",
+        "\"joint-coordinates\"",
+        "\"error-controlled\"\ntolerance = 1e-5",
+    ] {
+        // A floor far below, as steps chosen by error are those of worlds with contact.
+        let floor = if method.contains("error-controlled") {
+            "[contact]\nwalls = [{ name = \"floor\", normal = [0, 1], at = [0, -5] }]\n"
+        } else {
+            ""
+        };
+        let run = scene(&format!(
+            "dimension = 2\nintegrator = {method}\nstep = 0.001\nhorizon = 3\nsample_every = 500\n\
+             bodies = [{{ name = \"arm\", mass = 1, box = [1, 0.1], position = [0.5, 0],\n\
+             angular_velocity = 6 }}]\n\
+             joints = [{{ kind = \"pin\", between = [\"world\", \"arm\"], at = [0, 0],\n\
+             stiffness = {stiffness} }}]\n{floor}"
+        ))
+        .run()
+        .unwrap();
+        for (sample, t) in run.times().iter().enumerate() {
+            let angle = 6.0 / w * (w * t).sin();
+            let off = (run.positions(sample)[0] - 0.5 * angle.cos())
+                .hypot(run.positions(sample)[1] - 0.5 * angle.sin());
+            assert!(off < 1e-4, "{method}: {off} at {t}");
+        }
+    }
+}

@@ -226,3 +226,27 @@ fn a_block_that_stops_within_a_step_goes_as_far_as_coulomb_says() {
         }
     }
 }
+
+#[test]
+fn a_landing_without_restitution_is_shared_between_two_steps() {
+    let place = |restitution: f64, step: f64| {
+        let text = format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = {step}\nhorizon = 0.3\n\
+             uniform_gravity = {{ acceleration = [0, -9.81] }}\n\
+             bodies = [{{ name = \"b\", mass = 3.8858, box = [0.8, 0.2], position = [2.2, 0.5],\n\
+             velocity = [0.5922, -0.8927], angular_velocity = 1.668 }}]\n\
+             [contact]\nfriction = 0.5\nrestitution = {restitution}\n\
+             walls = [{{ normal = [0, 1], at = [0, 0] }}]\n"
+        );
+        let run = Scene::parse("landing.toml", &text).unwrap().run().unwrap();
+        run.positions(run.times().len() - 1)[0]
+    };
+    let spread = |restitution: f64| {
+        let places = [1e-3, 3e-4, 2e-4, 1e-4].map(|step| place(restitution, step));
+        let [least, most] = [f64::min, f64::max].map(|by| places.into_iter().fold(places[0], by));
+        most - least
+    };
+    // Friction turns around in the landing: what each of the two steps takes of it decides.
+    assert!(spread(0.0) > 2e-3, "{}", spread(0.0));
+    assert!(spread(0.01) < 1e-3, "{}", spread(0.01));
+}

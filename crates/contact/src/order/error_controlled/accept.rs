@@ -5,7 +5,7 @@ use stationary_calculus::Potential;
 use super::attempt::{Tried, Within};
 use super::{ErrorControlled, ErrorControlledReport};
 use crate::order::event::{Event, EventKind};
-use crate::order::flight::{Flies, chord};
+use crate::order::flight::Flies;
 use crate::order::pieces::Motion;
 use crate::order::pushing::Pushing;
 use crate::{ContactError, JointRows};
@@ -50,9 +50,8 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         if smooth {
             report.extrapolated += 1;
             for body in 0..self.world.detector().bodies() {
-                let beyond = chord::<G>(&self.whole.q, &self.halves.q, body)?.at(2.0);
-                let q = &mut self.now.q[G::STORED * body..][..G::STORED];
-                q.copy_from_slice(G::numbers(&beyond).as_ref());
+                let ends = [self.whole.q.as_slice(), &self.halves.q];
+                G::place_on_chord(ends, body, 2.0, &mut self.now.q)?;
             }
             self.now.p.add_scaled(1.0, self.halves.p.view());
             self.now.p.add_scaled(-1.0, self.whole.p.view());
