@@ -64,6 +64,7 @@ mod implicit_euler;
 mod trapezoid;
 mod implicit_midpoint;
 mod collocation;
+mod own_rounding;
 mod gauss_legendre;
 mod newmark_weights;
 mod alpha_equation;
