@@ -90,6 +90,11 @@ struct Stagnation {
     error: f64,
 }
 
+/// An error in units of a tolerance, which may be none: no error is within it, and any other beyond.
+fn in_tolerances(error: f64, allowed: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / allowed }
+}
+
 impl Default for Stagnation {
     fn default() -> Self {
         Stagnation { count: 0, length: f64::INFINITY, error: f64::INFINITY }
@@ -232,7 +237,7 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
         let numbers = whole.iter().zip(halves).zip(state.q.as_ref()).enumerate();
         let (number, largest) = numbers.fold((0, 0.0_f64), |largest, (k, ((whole, halves), q))| {
             let allowed = absolute + relative * q.abs().max(halves.abs());
-            let off = (whole - halves).abs() / allowed;
+            let off = in_tolerances((whole - halves).abs(), allowed);
             // Not `max`, which loses what is not a number.
             if off <= largest.1 || largest.1.is_nan() { largest } else { (k, off) }
         });

@@ -16,6 +16,7 @@ mod pendulum;
 mod revolution;
 mod slider_crank;
 mod square;
+mod top;
 
 use stationary_calculus::{Covector, DiagonalMetric, Storage, System, first_non_finite};
 use stationary_integrators::{State, UniformGravity};
@@ -26,6 +27,7 @@ use revolution::revolution;
 pub use chain::{Chain, chain, folded_chain, writhing_chain};
 pub use four_bar::{Crank, FourBar, four_bar};
 pub use pendulum::{Pendulum, pendulum};
+pub use revolution::time_of_revolution;
 pub use slider_crank::{SliderCrank, slider_crank};
 pub use square::{Square, square};
 

@@ -14,7 +14,7 @@ fn cost(scheme: Scheme, error: f64) -> Result<Option<u64>, Box<dyn std::error::E
         let mut method = Composition::new(&planet.system, scheme)?;
         let horizon = Horizon::divided(planet.horizon, steps as u64)?;
         if let Ok(run) = deliver(&planet, &mut method, horizon)
-            && run.error < error
+            && run.error.is_some_and(|reached| reached < error)
         {
             return Ok(Some(run.cost.differentials));
         }

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Ok(run) => println!(
                 "{:30} {:10.1e} {:12.1e} {:14}",
                 method.facts().name,
-                run.error,
+                run.error.unwrap_or(f64::NAN),
                 run.energy_error,
                 run.cost.differentials
             ),

@@ -6,6 +6,7 @@
 //! d2S = tridiagonal in N x N blocks:  A_i on the diagonal, B_i beside it
 //! D_1 = A_1,   D_i+1 = A_i+1 - B_i^T D_i^-1 B_i              elimination, block by block
 //! index = negative eigenvalues of d2S = sum of those of the D_i
+//! S d2S S,   S_k = 1/sqrt(largest entry of row k)            before it is eliminated: the same index
 //! ```
 //! `A_i = h_i-1 d22 L_d + h_i d11 L_d`, `B_i = h_i d12 L_d`. The index is Morse's: the number of
 //! independent ways to lower the action. It is zero, and the motion a minimum, over short times;
@@ -34,6 +35,9 @@ pub struct StationaryPath<const N: usize> {
     pub index: usize,
     /// Iterations that Newton's method took.
     pub iterations: u32,
+    /// What is left of the differential of the action: the largest component of a jump of momentum, relative to
+    /// the largest momentum of that freedom along the path.
+    pub residual: f64,
 }
 
 /// What kind of stationary point a path is.
@@ -86,7 +90,26 @@ impl<L> Action<L> {
         let index = problem.eliminate(&unknowns).map_err(ActionError::Conjugate)?.index();
         let path = problem.path;
         let momentum = self.lagrangian.momentum_before(path[0], path[1], self.steps[0]);
-        Ok(StationaryPath { path, momentum, index, iterations })
+        let residual = self.largest_jump(&path);
+        Ok(StationaryPath { path, momentum, index, iterations, residual })
+    }
+
+    /// The largest jump of momentum relative to the largest momentum of its freedom.
+    fn largest_jump<const N: usize>(&self, path: &[[f64; N]]) -> f64
+    where
+        L: DiscreteLagrangian<N>,
+    {
+        let (mut jumps, mut momenta) = ([0.0_f64; N], [0.0_f64; N]);
+        for (points, steps) in path.windows(3).zip(self.steps.windows(2)) {
+            let arriving = self.lagrangian.momentum_after(points[0], points[1], steps[0]);
+            let leaving = self.lagrangian.momentum_before(points[1], points[2], steps[1]);
+            for (k, (a, b)) in arriving.0.into_iter().zip(leaving.0).enumerate() {
+                jumps[k] = jumps[k].max((a - b).abs());
+                momenta[k] = momenta[k].max(a.abs()).max(b.abs());
+            }
+        }
+        let parts = jumps.into_iter().zip(momenta).filter(|(jump, _)| *jump > 0.0);
+        parts.fold(0.0, |largest: f64, (jump, momentum)| largest.max(jump / momentum))
     }
 }
 
@@ -114,13 +137,21 @@ impl<L: DiscreteLagrangian<N>, const N: usize> Problem<'_, L, N> {
     fn eliminate(&mut self, unknowns: &[f64]) -> Result<Elimination, Unsolvable> {
         self.visit(unknowns);
         let interior = self.path.len() - 2;
-        let mut elimination = Elimination::default();
-        for i in 1..=interior {
+        let blocks = |i: usize| {
             let arriving = self.block(i - 1, (End::Last, End::Last));
             let leaving = self.block(i, (End::First, End::First));
-            let beside = self.block(i, (End::First, End::Last));
-            elimination.push(arriving + leaving, beside, i == interior)?;
+            (arriving + leaving, self.block(i, (End::First, End::Last)))
+        };
+        let blocks: Vec<_> = (1..=interior).map(blocks).collect();
+        let scales = scales(&blocks);
+        let mut elimination = Elimination::default();
+        for (i, (mut pivot, mut beside)) in blocks.into_iter().enumerate() {
+            let next = scales.get(i + 1).unwrap_or(&scales[i]);
+            scale(&mut pivot, &scales[i], &scales[i]);
+            scale(&mut beside, &scales[i], next);
+            elimination.push(pivot, beside, i + 1 == interior)?;
         }
+        elimination.scales = scales.concat();
         Ok(elimination)
     }
 }
@@ -130,7 +161,7 @@ impl<L: DiscreteLagrangian<N>, const N: usize> Equation for Problem<'_, L, N> {
         self.visit(x);
         // The path has as many points as were checked: there is a differential.
         if let Ok(differential) = self.action.differential(&self.path) {
-            for (f, covector) in f.chunks_exact_mut(N).zip(differential) {
+            for (f, covector) in f.chunks_exact_mut(N.max(1)).zip(differential) {
                 f.copy_from_slice(covector.components());
             }
         }
@@ -150,9 +181,42 @@ impl<L: DiscreteLagrangian<N>, const N: usize> Equation for Problem<'_, L, N> {
     }
 }
 
-/// The eliminated blocks of a symmetric block-tridiagonal matrix: D_i by eigenvectors, and B_i.
+/// Powers of two, one for each row of the blocks A_i and B_i, that bring its largest entry near to 1 if
+/// rows and columns are multiplied by them: unlike masses are no small pivots.
+fn scales(blocks: &[(DMatrix<f64>, DMatrix<f64>)]) -> Vec<Vec<f64>> {
+    let largest = |entries: &mut dyn Iterator<Item = &f64>| {
+        entries.fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
+    };
+    let of_row = |i: usize, k: usize| {
+        let (pivot, beside) = &blocks[i];
+        let mut size = largest(&mut pivot.row(k).iter());
+        if i + 1 < blocks.len() {
+            size = size.max(largest(&mut beside.row(k).iter()));
+        }
+        if i > 0 {
+            size = size.max(largest(&mut blocks[i - 1].1.column(k).iter()));
+        }
+        let known = size > 0.0 && size.is_finite();
+        if known { 2.0_f64.powi(-(0.5 * size.log2()).round() as i32) } else { 1.0 }
+    };
+    let of_block = |i: usize| (0..blocks[i].0.nrows()).map(|k| of_row(i, k)).collect();
+    (0..blocks.len()).map(of_block).collect()
+}
+
+/// Multiplies each row and each column of a block by its scale.
+fn scale(block: &mut DMatrix<f64>, rows: &[f64], columns: &[f64]) {
+    for (mut column, c) in block.column_iter_mut().zip(columns) {
+        for (entry, r) in column.iter_mut().zip(rows) {
+            *entry *= r * c;
+        }
+    }
+}
+
+/// The eliminated blocks of a symmetric block-tridiagonal matrix with scaled rows and columns: D_i by
+/// eigenvectors, and B_i.
 #[derive(Default)]
 struct Elimination {
+    scales: Vec<f64>,
     pivots: Vec<SymmetricEigen<f64, Dyn>>,
     beside: Vec<DMatrix<f64>>,
 }
@@ -204,6 +268,7 @@ impl Elimination {
     /// Replaces the right-hand side by the solution: forward to the last block, and back.
     fn solve(&self, f: &mut [f64]) {
         let Some(n) = self.beside.first().map(|block| block.nrows()) else { return };
+        f.iter_mut().zip(&self.scales).for_each(|(f, scale)| *f *= scale);
         let last = self.pivots.len() - 1;
         for i in 0..last {
             let (done, rest) = f.split_at_mut(n * (i + 1));
@@ -221,6 +286,7 @@ impl Elimination {
             let solved = self.apply_inverse(i, &head[n * i..]);
             head[n * i..].copy_from_slice(solved.as_slice());
         }
+        f.iter_mut().zip(&self.scales).for_each(|(f, scale)| *f *= scale);
     }
 
     /// `D_i^-1 f`.
@@ -228,5 +294,39 @@ impl Elimination {
         let SymmetricEigen { eigenvectors, eigenvalues } = &self.pivots[i];
         let along = eigenvectors.tr_mul(&DVectorView::from_slice(f, f.len()));
         eigenvectors * along.component_div(eigenvalues)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mechanical, Quadrature, Sampled};
+    use stationary_calculus::{Energy, Number};
+
+    struct Nothing;
+
+    impl Energy<2> for Nothing {
+        fn energy<R: Number>(&self, [x, y]: [R; 2]) -> R {
+            x * 0.0 + y * 0.0
+        }
+    }
+
+    #[test]
+    fn free_particles_of_unlike_masses_move_on_straight_lines() {
+        for heavy in [1.0, 1e8, 1e12, 1e16, 1e-12] {
+            let lagrangian = Mechanical::new([1.0, heavy], Nothing).unwrap();
+            let sampled = Sampled { lagrangian, quadrature: Quadrature::Ends };
+            let action = Action::new(sampled, vec![0.1; 10]).unwrap();
+            let mut guess = vec![[0.3, -0.2]; 11];
+            (guess[0], guess[10]) = ([0.0, 1.0], [1.0, 3.0]);
+            let found = action.stationary_path(guess).unwrap();
+            for (i, [x, y]) in found.path.iter().enumerate() {
+                let part = 0.1 * i as f64;
+                let off = (x - part).abs().max((y - 1.0 - 2.0 * part).abs());
+                assert!(off < 1e-13, "{heavy}: {off} at point {i}");
+            }
+            assert_eq!(found.kind(), Stationary::Minimum);
+            assert!(found.residual < 1e-13, "{heavy}: {}", found.residual);
+        }
     }
 }

@@ -108,7 +108,7 @@ mod tests {
         let error = |scheme: Scheme| {
             let mut method = Composition::new(&planet.system, scheme).unwrap();
             let steps = Horizon::divided(planet.horizon, 12_000 / u64::from(scheme.facts().stages));
-            deliver(&planet, &mut method, steps.unwrap()).unwrap().error
+            deliver(&planet, &mut method, steps.unwrap()).unwrap().error.unwrap()
         };
         let [jump, suzuki, blanes, nystrom] =
             [Scheme::TripleJump4, Scheme::Suzuki4, Scheme::BlanesMoan4, Scheme::BlanesMoanNystrom4]

@@ -18,8 +18,9 @@ use crate::{Cost, Horizon, Integrator, Method, SimulationError, simulate};
 /// What a run delivers and costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delivered {
-    /// The largest error along the trajectory, relative to the problem's scale.
-    pub error: f64,
+    /// The largest error along the trajectory, relative to the problem's scale; `None` where the true
+    /// motion is known at no step of it.
+    pub error: Option<f64>,
     /// The largest change of energy along the trajectory, joules.
     pub energy_error: f64,
     /// What it cost.
@@ -37,10 +38,10 @@ pub fn deliver<M: Metric, P: Potential, C: Storage>(
 ) -> Result<Delivered, SimulationError> {
     let mut state = problem.initial.clone();
     let start = problem.energy(&state);
-    let (mut error, mut energy_error) = (0.0_f64, 0.0_f64);
+    let (mut error, mut energy_error) = (None, 0.0_f64);
     let cost = simulate(integrator, &mut state, steps, |now| {
         if let Some(distance) = problem.error(now.state.t, &now.state.q) {
-            error = error.max(distance);
+            error = Some(distance.max(error.unwrap_or(0.0)));
         }
         energy_error = energy_error.max((problem.energy(now.state) - start).abs());
         ControlFlow::Continue(())
@@ -94,11 +95,11 @@ impl Convergence {
         Ok(Convergence { method, rows })
     }
 
-    /// The steps and errors of the runs that succeeded.
+    /// The steps and errors of the runs that succeeded, where the true motion is known.
     pub fn errors(&self) -> Vec<(f64, f64)> {
         let delivered = |row: &ConvergenceRow| {
             let outcome = row.outcome.as_ref().ok()?;
-            Some((row.horizon.step(), outcome.error))
+            Some((row.horizon.step(), outcome.error?))
         };
         self.rows.iter().filter_map(delivered).collect()
     }
@@ -129,7 +130,7 @@ impl Convergence {
             let mut cells: Vec<Cell> = vec![horizon.steps().into(), horizon.step().into()];
             match outcome {
                 Ok(Delivered { error, energy_error, cost }) => cells.extend([
-                    Cell::from(*error),
+                    error.map_or("not known".into(), Cell::from),
                     Cell::from(*energy_error),
                     Cell::from(cost.differentials),
                     Cell::from(cost.hessians),
@@ -145,7 +146,7 @@ impl Convergence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problems::kepler;
+    use crate::problems::{henon_heiles, kepler};
 
     #[test]
     fn the_measured_order_is_the_claimed_one() {
@@ -158,6 +159,18 @@ mod tests {
             let order = Convergence::measure(&problem, method, steps).unwrap().order().unwrap();
             assert!((order - f64::from(method.facts().order)).abs() < 0.1, "{method}: {order}");
         }
+    }
+
+    #[test]
+    fn where_the_true_motion_is_not_known_no_error_is() {
+        let star = henon_heiles(0.1).unwrap();
+        let study = Convergence::measure(&star, Method::StormerVerlet, [200, 400]).unwrap();
+        for row in &study.rows {
+            let delivered = row.outcome.as_ref().unwrap();
+            assert!(delivered.error.is_none() && delivered.energy_error > 1e-4, "{delivered:?}");
+        }
+        assert_eq!((study.errors(), study.order()), (Vec::new(), None));
+        assert!(study.table().to_string().contains("not known"), "{}", study.table());
     }
 
     #[test]

@@ -95,6 +95,16 @@ pub enum HorizonError {
     },
 }
 
+/// More steps of a horizon are said to have been taken than it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a horizon of {steps} steps cannot be resumed after {done} of them")]
+pub struct ResumeError {
+    /// The steps that are to have been taken.
+    pub done: u64,
+    /// The steps that there are.
+    pub steps: u64,
+}
+
 /// A study that could not be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StudyError {

@@ -23,7 +23,7 @@
 //! ```
 //! which divides the error on a linear force of any stiffness by at least 4, 2 and 1.6 for s = 2, 3
 //! and 4, and by far more where `h omega` is small: `g` is the smallest squared eigenvalue of A.
-//! The iteration ends where rounding lets it go no further, or with an error. Source: Hairer,
+//! The iteration ends where rounding lets no coordinate go further, or with an error. Source: Hairer,
 //! Lubich and Wanner, Geometric Numerical Integration, II.1.3 and VIII.6; Brugnano and Magherini
 //! 2002 (blended iteration).
 
@@ -34,6 +34,7 @@ use stationary_calculus::{
 
 use crate::collocation::{Collocation, Nodes};
 use crate::integrator::{check_solver, check_step, subtract, zeros};
+use crate::own_rounding::write_sizes;
 use crate::{Facts, Integrator, State, StepError, StepReport};
 
 /// Gauss-Legendre collocation.
@@ -48,6 +49,7 @@ pub struct GaussLegendre<'s, M, P, C, L = DenseSolver<C>> {
     difference: Vector<C>,
     blend: Covector<C>,
     middle: C,
+    sizes: C,
     next: State<C>,
     history: Vec<f64>,
 }
@@ -67,6 +69,8 @@ const ITERATIONS: usize = 120;
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 /// Changes of this size, once they no longer shrink, are rounding too.
 const NEARLY: f64 = 1e-9;
+/// Changes that are rounding of the largest coordinate are so of each, if they are of this size relative to it.
+const OF_EACH: f64 = 1e-13;
 
 impl<'s, M: Metric, P: Potential, C: Storage> GaussLegendre<'s, M, P, C, DenseSolver<C>> {
     /// The method on a system of few freedoms: each step factors a dense matrix.
@@ -110,6 +114,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
             difference: Vector(zero.clone()),
             blend: Covector(zero.clone()),
             middle: zero.clone(),
+            sizes: zero.clone(),
             next: State::new(zero.clone(), Covector(zero)),
             history: Vec::with_capacity(ITERATIONS + 1),
         })
@@ -182,9 +187,42 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
         largest
     }
 
+    /// The largest component of the steps relative to its coordinate, from now on measured by sizes that
+    /// tell the coordinates' own rounding. The Hessian is asked only where their numbers do not say enough.
+    fn weigh(&mut self, q: &C, h: f64) -> f64 {
+        for (i, own) in self.sizes.as_mut().iter_mut().enumerate() {
+            let stages = self.stages.iter().map(|stage| stage.q.as_ref()[i].abs());
+            *own = stages.fold(q.as_ref()[i].abs(), f64::max);
+        }
+        let part = self.largest_part();
+        if part <= OF_EACH {
+            return part;
+        }
+        self.middle.clone_from(&self.sizes);
+        let at = (self.stages[0].q.as_ref(), self.table.blend * h * h);
+        let (own, diagonal) = (self.middle.as_ref(), self.blend.components_mut());
+        write_sizes(self.system, at, own, diagonal, self.sizes.as_mut());
+        self.largest_part()
+    }
+
+    /// The largest component of the steps relative to the size of its coordinate.
+    fn largest_part(&self) -> f64 {
+        let sizes = self.sizes.as_ref();
+        let parts = |stage: &Stage<C>, largest: f64| {
+            let each = stage.step.components().iter().zip(sizes);
+            each.filter(|(step, _)| **step != 0.0).fold(largest, |largest: f64, (step, size)| {
+                let part = step.abs() / size;
+                if part <= largest { largest } else { part }
+            })
+        };
+        self.stages.iter().fold(0.0, |largest, stage| parts(stage, largest))
+    }
+
     /// Solves for the stages; their dV are left in them.
     fn solve(&mut self, q: &C, h: f64, report: &mut StepReport) -> Result<(), StepError> {
         let mut last = f64::INFINITY;
+        // What is rounding of the largest coordinate may be an error of another: known once that is.
+        let mut last_part = None;
         for _ in 0..ITERATIONS {
             report.residual = self.evaluate(q, h);
             report.differentials += self.stages.len() as u32;
@@ -195,7 +233,22 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
             }
             let size =
                 self.stages.iter().fold(0.0, |size, stage| largest_of(stage.q.as_ref(), size));
-            if step <= ROUNDING * size || (step <= NEARLY * size && step >= 0.9 * last) {
+            let rounding_of_largest =
+                step <= ROUNDING * size || (step <= NEARLY * size && step >= 0.9 * last);
+            let is_rounding = match last_part {
+                None if !rounding_of_largest => false,
+                None => {
+                    let part = self.weigh(q, h);
+                    last_part = Some(part);
+                    part <= OF_EACH
+                }
+                Some(last) => {
+                    let part = self.largest_part();
+                    last_part = Some(part);
+                    part <= ROUNDING || (part <= NEARLY && part >= 0.9 * last)
+                }
+            };
+            if is_rounding {
                 return Ok(());
             }
             last = step;
@@ -261,8 +314,8 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Integrator<C>
 mod tests {
     use super::*;
     use crate::ImplicitMidpoint;
-    use crate::problems::{kepler, oscillator, pendulum};
-    use stationary_calculus::{DiagonalMetric, Sink};
+    use crate::problems::{TetherPotential, kepler, oscillator, pendulum};
+    use stationary_calculus::{Automatic, DenseSink, DiagonalMetric, Energy, Number, Sink};
     use stationary_measure::loglog_slope;
 
     #[test]
@@ -308,6 +361,78 @@ mod tests {
             let report = gauss.step(&mut state, 0.05).unwrap();
             assert!(report.hessians == 1 && report.differentials <= 3 * 9, "{report:?}");
         }
+    }
+
+    /// A potential of the freedoms after the first, which moves freely.
+    struct Beside<P>(P);
+
+    impl<P: Potential> Potential for Beside<P> {
+        fn dim(&self) -> usize {
+            1 + self.0.dim()
+        }
+
+        fn energy(&self, q: &[f64]) -> f64 {
+            self.0.energy(&q[1..])
+        }
+
+        fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+            self.0.add_differential(&q[1..], Covector(&mut dv.0[1..]));
+        }
+
+        fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+            let n = self.0.dim();
+            let mut block = vec![0.0; n * n];
+            let mut sink = DenseSink::new(1.0, n, &mut block).unwrap();
+            self.0.add_hessian(&q[1..], &mut sink);
+            let freedoms: Vec<usize> = (1..=n).collect();
+            hessian.add_symmetric(&freedoms, &block);
+        }
+    }
+
+    struct Swing;
+
+    impl Energy<1> for Swing {
+        fn energy<R: Number>(&self, [angle]: [R; 1]) -> R {
+            angle.cos() * -9.81
+        }
+    }
+
+    #[test]
+    fn a_particle_that_rests_far_away_costs_a_pendulum_no_digits() {
+        let swing = || Automatic::<_, 1>(Swing);
+        let alone = System::new(DiagonalMetric::new([1.0]).unwrap(), swing()).unwrap();
+        let both = System::new(DiagonalMetric::new([1.0; 2]).unwrap(), Beside(swing())).unwrap();
+        for nodes in [Nodes::One, Nodes::Two, Nodes::Three, Nodes::Four] {
+            for far in [0.0, 1.0, 1e6, 1e9, 1e12] {
+                let mut gauss = GaussLegendre::new(&alone, nodes).unwrap();
+                let mut beside = GaussLegendre::new(&both, nodes).unwrap();
+                let mut one = State::new([2.5], Covector([0.0]));
+                let mut two = State::new([far, 2.5], Covector([0.0; 2]));
+                let start = both.energy(&two.q, two.p.view());
+                for _ in 0..2000 {
+                    gauss.step(&mut one, 0.05).unwrap();
+                    beside.step(&mut two, 0.05).unwrap();
+                    let off = (one.q[0] - two.q[1]).abs();
+                    assert!(off < 1e-10, "{nodes:?} beside {far}: {off}");
+                }
+                if nodes == Nodes::Three {
+                    let drift = (both.energy(&two.q, two.p.view()) - start).abs();
+                    assert!(drift < 2e-6, "beside {far}: {drift}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_tether_that_cannot_be_solved_is_refused_beside_a_far_particle_too() {
+        let metric = DiagonalMetric::new([1.0; 3]).unwrap();
+        let system = System::new(metric, Beside(TetherPotential { stiffness: 1e4 })).unwrap();
+        let refused = [0.0, 1.0, 1e6, 1e10].map(|far| {
+            let mut gauss = GaussLegendre::new(&system, Nodes::Two).unwrap();
+            let mut state = State::new([far, 1.0, 0.0], Covector([0.0; 3]));
+            (0..40).find(|_| gauss.step(&mut state, 0.2).is_err())
+        });
+        assert!(refused.iter().all(|step| step.is_some() && *step == refused[0]), "{refused:?}");
     }
 
     /// A stiff spring whose other end is moved: k/2 (x - sin t)^2. The time t is a freedom so heavy

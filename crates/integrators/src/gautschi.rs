@@ -125,8 +125,23 @@ pub struct Gautschi<'s, M, P, C> {
     next: State<C>,
 }
 
-/// Eigenvalues this small relative to the largest are rounding of zero: their modes move freely.
+/// Eigenvalues this small relative to the largest are rounding of zero, if they are so of their own terms as
+/// well: their modes move freely.
 const ROUNDING: f64 = 1e-13;
+
+/// The eigenvalue `<v, K v>` of a mode, zero where it is rounding of the terms of that sum: beside a stiff mode
+/// to which it is not coupled, a soft one is soft and not free.
+fn by_its_terms(stiffness: &BilinearForm, mode: &[f64]) -> f64 {
+    let (mut sum, mut terms) = (0.0, 0.0);
+    for (column, v) in stiffness.0.column_iter().zip(mode) {
+        for (entry, w) in column.iter().zip(mode) {
+            let term = v * entry * w;
+            sum += term;
+            terms += term.abs();
+        }
+    }
+    if sum.abs() > ROUNDING * terms { sum } else { 0.0 }
+}
 
 impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
     /// The method on a system whose own potential is soft, beside the stiffness K (N/m).
@@ -151,10 +166,15 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
         }
         let pairs = stiffness.eigenpairs(&mass)?;
         let zero_below = ROUNDING * pairs.values.amax();
-        if let Some(&eigenvalue) = pairs.values.iter().find(|value| **value < -zero_below) {
+        let mut values = pairs.values.clone();
+        for (value, mode) in values.iter_mut().zip(pairs.vectors.column_iter()) {
+            if value.abs() <= zero_below {
+                *value = by_its_terms(stiffness, mode.as_slice());
+            }
+        }
+        if let Some(&eigenvalue) = values.iter().find(|value| **value < 0.0) {
             return Err(StiffnessError::Negative { eigenvalue });
         }
-        let frequency = |value: &f64| if *value > zero_below { value.sqrt() } else { 0.0 };
         let column = |j: usize| {
             let mut mode = zero.clone();
             mode.as_mut().copy_from_slice(&pairs.vectors.as_slice()[j * n..][..n]);
@@ -164,7 +184,7 @@ impl<'s, M: Metric, P: Potential, C: Storage> Gautschi<'s, M, P, C> {
             system,
             filter,
             modes: (0..n).map(column).collect(),
-            frequencies: pairs.values.iter().map(frequency).collect(),
+            frequencies: values.iter().map(|value| value.sqrt()).collect(),
             turns: Vec::with_capacity(n),
             turn_step: 0.0,
             amplitudes: vec![(0.0, 0.0); n],

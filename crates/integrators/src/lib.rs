@@ -64,6 +64,7 @@ mod implicit_euler;
 mod trapezoid;
 mod implicit_midpoint;
 mod collocation;
+mod own_rounding;
 mod gauss_legendre;
 mod newmark_weights;
 mod alpha_equation;
@@ -103,8 +104,8 @@ pub use damped_pattern::DampedPattern;
 pub use discrete_lagrangian::{DiscreteLagrangian, VARIATIONAL};
 pub use drag::Drag;
 pub use error::{
-    ActionError, ForceError, HorizonError, ImpulseError, ParameterError, SimulationError,
-    StepError, StudyError,
+    ActionError, ForceError, HorizonError, ImpulseError, ParameterError, ResumeError,
+    SimulationError, StepError, StudyError,
 };
 pub use explicit_euler::ExplicitEuler;
 pub use facts::{

@@ -9,7 +9,7 @@
 
 use std::ops::{ControlFlow, RangeInclusive};
 
-use crate::{HorizonError, Integrator, SimulationError, State, StepError, StepReport};
+use crate::{HorizonError, Integrator, ResumeError, SimulationError, State, StepError, StepReport};
 
 /// A number of equal steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,8 +65,12 @@ impl Horizon {
     }
 
     /// The same steps without the first `done`, for the state that followed those.
-    pub fn resumed(self, done: u64) -> Self {
-        Horizon { done, ..self }
+    ///
+    /// # Errors
+    /// [`ResumeError`] where the horizon has fewer steps than that.
+    pub fn resumed(self, done: u64) -> Result<Self, ResumeError> {
+        let Horizon { steps, .. } = self;
+        if done <= steps { Ok(Horizon { done, ..self }) } else { Err(ResumeError { done, steps }) }
     }
 
     /// The step, seconds.
@@ -195,9 +199,21 @@ mod tests {
         run(&mut whole, horizon, 300);
         run(&mut parts, horizon, 77);
         assert_ne!(whole, parts);
-        run(&mut parts, horizon.resumed(77), 300);
+        run(&mut parts, horizon.resumed(77).unwrap(), 300);
         assert_eq!(whole, parts);
         assert_eq!(whole.t, 0.1 + 300.0 * 0.01);
+    }
+
+    #[test]
+    fn a_horizon_is_not_resumed_beyond_its_end() {
+        let horizon = Horizon::divided(1.0, 10).unwrap();
+        assert_eq!(horizon.resumed(20), Err(ResumeError { done: 20, steps: 10 }));
+        let planet = kepler(0.6).unwrap();
+        let mut verlet = StormerVerlet::new(&planet.system).unwrap();
+        let mut state = planet.initial.clone();
+        let all = horizon.resumed(10).unwrap();
+        let cost = simulate(&mut verlet, &mut state, all, |_| ControlFlow::Continue(()));
+        assert_eq!((cost.unwrap().steps, state.t), (0, 1.0));
     }
 
     #[test]

@@ -9,12 +9,12 @@
 //! `a b c d` the lengths of crank, coupler, follower and ground (m), `u v w` the bars' angles
 //! (rad); `x` their centres, `theta` their angles, `m` their masses and `I` their moments, those of
 //! uniform thin rods. The linkage has one freedom, so that energy alone gives the time of a
-//! revolution; the integrand is periodic and smooth, and equal steps find it to rounding. For
-//! linkages whose crank goes round and whose coupler stays on one side (Grashof). Source: Haug,
+//! revolution. For linkages whose crank goes round and whose coupler stays on one side (Grashof). Source: Haug,
 //! Computer Aided Kinematics and Dynamics, 3; notes 6, 7.
 
 use nalgebra::Vector2;
 use stationary_calculus::{DiagonalMetric, array};
+use stationary_constraints::problems::time_of_revolution;
 
 use crate::{PlanarEnd, PlanarJoint, PlanarJointKind, PlanarWeight, RigidError};
 
@@ -34,9 +34,6 @@ fn unit(angle: f64) -> [Vector2<f64>; 2] {
     let (s, c) = angle.sin_cos();
     [Vector2::new(c, s), Vector2::new(-s, c)]
 }
-
-/// Equal steps of a revolution; the integrand's coefficients have long vanished there.
-const STEPS: u32 = 2_000;
 
 impl FourBar {
     /// The masses of the bars, kg.
@@ -123,28 +120,47 @@ impl FourBar {
         PlanarWeight { gravity: self.gravity, masses: self.masses().to_vec() }
     }
 
-    /// The potential energy at an angle of the crank, joules, and the inertia M of its rate, kg m^2.
-    fn energy_and_inertia(&self, crank: f64) -> (f64, f64) {
+    /// The inertia M of the crank's rate at an angle, kg m^2, and the potential energy, joules.
+    fn inertia_and_energy(&self, crank: f64) -> (f64, f64) {
         let (q, slope) = (self.configuration(crank), self.slope(crank));
         let (masses, moments) = (self.masses(), self.moments());
-        (0..3).fold((0.0, 0.0), |(energy, inertia), bar| {
+        (0..3).fold((0.0, 0.0), |(inertia, energy), bar| {
             let of = |numbers: &[f64; 9]| Vector2::new(numbers[3 * bar], numbers[3 * bar + 1]);
             let turned = slope[3 * bar + 2];
             let moved = masses[bar] * of(&slope).norm_squared() + moments[bar] * turned * turned;
-            (energy - masses[bar] * self.gravity.dot(&of(&q)), inertia + moved)
+            (inertia + moved, energy - masses[bar] * self.gravity.dot(&of(&q)))
         })
     }
 
     /// The time of a revolution, seconds, of a crank that turns at `rate` rad/s at the angle
-    /// `crank`; not a number where it does not get round.
+    /// `crank`; not a number where it does not get round, or so narrowly that its energy says too little.
     pub fn revolution(&self, crank: f64, rate: f64) -> f64 {
-        let (potential, inertia) = self.energy_and_inertia(crank);
-        let energy = potential + 0.5 * inertia * rate * rate;
-        let step = std::f64::consts::TAU / f64::from(STEPS);
-        let slowness = |k: u32| {
-            let (potential, inertia) = self.energy_and_inertia(step * f64::from(k));
-            (inertia / (2.0 * (energy - potential))).sqrt()
-        };
-        step * (0..STEPS).map(slowness).sum::<f64>()
+        let time = time_of_revolution(crank, rate, |angle| self.inertia_and_energy(angle));
+        time.unwrap_or(f64::NAN)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crank_that_barely_gets_round_is_told_from_one_that_does_not() {
+        let gravity = Vector2::new(0.0, -9.81);
+        let linkage = FourBar { lengths: [1.0, 2.0, 2.0, 2.0], density: 1.0, gravity };
+        // Times by quadrature in 30 digits, split at the top.
+        let rates_and_times = [
+            (2.785_464_569_443_263_4, 2.132_347_254_581_527),
+            (2.657_822_564_596_260_3, 4.468_289_405_059_855),
+            (2.657_693_031_970_101_8, 6.025_020_428_314_905),
+            (2.657_691_854_371_815, 6.803_463_354_700_946),
+        ];
+        for (rate, time) in rates_and_times {
+            let found = linkage.revolution(0.3, rate);
+            assert!((found / time - 1.0).abs() < 1e-9, "{rate}: {found} {time}");
+        }
+        for short in [2.657_691_710_443_099_7, 2.657_691_592_683_236_5, 2.657_690_415_084_312] {
+            assert!(linkage.revolution(0.3, short).is_nan());
+        }
     }
 }

@@ -15,7 +15,7 @@ use crate::{ConstraintError, Embedding, Rod, Rods};
 pub struct FourBar {
     /// Its system, rods and initial data.
     pub problem: RodProblem<[f64; 4]>,
-    /// The time in which the crank goes round, where it does.
+    /// The time in which the crank goes round, where it does and its energy leaves no doubt.
     pub revolution: Option<f64>,
 }
 

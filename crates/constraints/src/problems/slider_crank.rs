@@ -21,7 +21,7 @@ pub struct SliderCrank {
     pub constraint: (Rods<2>, Linear),
     /// Where it starts; feasible.
     pub initial: State<[f64; 4]>,
-    /// The time in which the crank goes round, where it does.
+    /// The time in which the crank goes round, where it does and its energy leaves no doubt.
     pub revolution: Option<f64>,
 }
 

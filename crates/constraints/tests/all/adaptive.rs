@@ -1,5 +1,6 @@
 //! Steps of their own length, and what is between them.
 
+use stationary_calculus::Covector;
 use stationary_constraints::problems::{Pendulum, RodProblem, pendulum};
 use stationary_constraints::{
     Adaptive, Composed, ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError,
@@ -190,4 +191,18 @@ fn a_tolerance_below_rounding_is_an_error_and_no_crawl() {
     };
     assert!(ended(1e-14).unwrap() < 1e-9);
     assert_eq!([1e-17, 1e-18, 1e-20, 1e-30].map(ended), [None; 4]);
+}
+
+#[test]
+fn a_number_that_stays_zero_is_within_a_tolerance_of_zero() {
+    let problem = pendulum(1.0).unwrap();
+    let RodAnd { system, rods, .. } = RodAnd::of(&problem);
+    let only_relative = StepTolerance { absolute: 0.0, relative: 1e-6 };
+    let mut state = State::new([0.0, -1.0], Covector([0.0, 0.0]));
+    let rattle = Rattle::new(system, rods, &state, ONE).unwrap();
+    let mut method = Adaptive::new(rattle, only_relative, 0.1, &state).unwrap();
+    while state.t < 10.0 {
+        assert_eq!(method.advance(&mut state, 10.0).unwrap().error, 0.0);
+    }
+    assert_eq!(state.q, [0.0, -1.0]);
 }

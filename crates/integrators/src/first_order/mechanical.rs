@@ -69,7 +69,7 @@ impl<M: Metric, P: Potential, F: Force> VectorField for MechanicalField<'_, M, P
         // The velocity is written where zeros must stand in the end.
         let (v, columns) = by_q.split_at_mut(n);
         self.system.metric().sharp(Covector(p), Vector(&mut *v));
-        for (j, column) in by_p.chunks_exact_mut(2 * n).enumerate() {
+        for (j, column) in by_p.chunks_exact_mut((2 * n).max(1)).enumerate() {
             let (top, bottom) = column.split_at_mut(n);
             bottom[j] = 1.0;
             self.system.metric().sharp(Covector(&*bottom), Vector(&mut *top));
@@ -94,12 +94,58 @@ struct LowerBlock<'a> {
 
 impl Sink for LowerBlock<'_> {
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len())) {
+        for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
             for (&i, entry) in freedoms.iter().zip(column) {
                 if i != FIXED && j != FIXED {
                     self.columns[i + 2 * self.n * j] -= entry;
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stationary_calculus::DiagonalMetric;
+
+    /// A spring on the first freedom; what acts on no freedom brings an empty block.
+    struct Spring(usize);
+
+    impl Potential for Spring {
+        fn dim(&self) -> usize {
+            self.0
+        }
+
+        fn energy(&self, q: &[f64]) -> f64 {
+            q.first().map_or(0.0, |q| 1.5 * q * q)
+        }
+
+        fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+            if let (Some(q), Some(dv)) = (q.first(), dv.0.first_mut()) {
+                *dv += 3.0 * q;
+            }
+        }
+
+        fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+            hessian.add_symmetric(&[], &[]);
+            if !q.is_empty() {
+                hessian.add_symmetric(&[0], &[3.0]);
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_block_of_the_hessian_is_nothing() {
+        let system = System::new(DiagonalMetric::new([2.0]).unwrap(), Spring(1)).unwrap();
+        let mut df = [f64::NAN; 4];
+        MechanicalField::new(&system).jacobian(0.0, &[0.3, 0.1], &mut df);
+        assert_eq!(df, [0.0, -3.0, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn a_system_without_freedoms_has_an_empty_jacobian() {
+        let system = System::new(DiagonalMetric::new(vec![]).unwrap(), Spring(0)).unwrap();
+        MechanicalField::new(&system).jacobian(0.0, &[], &mut []);
     }
 }

@@ -4,8 +4,8 @@
 //! x' = v,      v' = mu (1 - x^2) v - x
 //! ```
 //! For mu = 1000 the state at t = 2000 is known from the Test Set for IVP Solvers (Bari, release
-//! 2.4), confirmed to 11 digits by Radau IIA and to 9 by BDF. One period takes about (3 - 2 ln 2)
-//! mu.
+//! 2.4), confirmed to 11 digits by Radau IIA and to 9 by BDF. For large mu one
+//! period takes about (3 - 2 ln 2) mu, for small mu 2 pi.
 
 use super::{ProblemError, StiffProblem, within};
 use crate::{Jacobian, Moment, VectorField};
@@ -39,7 +39,8 @@ impl VectorField for VanDerPolField {
     }
 }
 
-/// From (2, 0) over 2 mu seconds, a little more than a period.
+/// From (2, 0) over 2 mu seconds: a little more than a period where mu is 10 or more, less than one where mu is
+/// small.
 ///
 /// # Errors
 /// [`ProblemError::Parameter`] for a damping outside of (1e-100, 1e100).

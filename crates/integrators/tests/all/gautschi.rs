@@ -216,3 +216,24 @@ fn a_stiffness_that_is_none_is_refused_by_name() {
         "{error}"
     );
 }
+
+#[test]
+fn a_soft_spring_stays_one_beside_a_stiff_one_that_does_not_touch_it() {
+    let system = System::new(DiagonalMetric::new([1.0; 3]).unwrap(), Free(3)).unwrap();
+    for stiff in [1.0, 1e10, 1e14, 1e18] {
+        let stiffness =
+            BilinearForm(dmatrix![stiff, -stiff, 0.0; -stiff, stiff, 0.0; 0.0, 0.0, 1.0]);
+        let mut method = Gautschi::new(&system, &stiffness, Filter::Long).unwrap();
+        let mut state = State::new([0.0, 0.0, 1.0], Covector([1.0, 1.0, 0.0]));
+        for _ in 0..10 {
+            method.step(&mut state, 0.5).unwrap();
+        }
+        let (free, soft) = (state.q[0], state.q[2]);
+        assert!((free - 5.0).abs() < 1e-12, "{stiff}: {free}");
+        assert!((soft - 5.0_f64.cos()).abs() < 1e-12, "{stiff}: {soft}");
+    }
+    let falling = BilinearForm(DMatrix::from_diagonal(&[1e14, -1.0, 0.0].to_vec().into()));
+    let refused =
+        Gautschi::new(&system, &falling, Filter::Long).map(|_: Gautschi<'_, _, _, [f64; 3]>| ());
+    assert_eq!(refused, Err(StiffnessError::Negative { eigenvalue: -1.0 }));
+}

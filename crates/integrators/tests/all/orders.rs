@@ -29,8 +29,9 @@ fn over_decades<M: Metric, P: Potential, const N: usize>(
         let horizon = Horizon::divided(problem.horizon, steps).unwrap();
         let mut integrator = method.integrator(&problem.system).unwrap();
         let Ok(run) = deliver(problem, &mut *integrator, horizon) else { continue };
-        if (1e-12..1e-9).contains(&run.error) {
-            points.push((horizon.step(), run.error));
+        let error = run.error.unwrap();
+        if (1e-12..1e-9).contains(&error) {
+            points.push((horizon.step(), error));
         }
     }
     assert!(points.len() >= 4, "{method}: {points:?}");

@@ -73,7 +73,7 @@ fn study<M: Metric, P: Potential, const N: usize>(
             let mut cells: Vec<Cell> =
                 vec![facts.name.into(), row.horizon.steps().into(), step.into()];
             match &row.outcome {
-                Ok(run) => cells.push(run.error.into()),
+                Ok(run) => cells.push(run.error.map_or("not known".into(), Cell::from)),
                 Err(error) => {
                     series = series.failed(step, error.to_string());
                     cells.push(format!("failed at t = {:.3}", error.time).into());

@@ -96,7 +96,7 @@ impl Run {
 
     /// The largest error along the trajectory.
     pub(super) fn error(&self) -> Option<f64> {
-        self.outcome.as_ref().ok().map(|(delivered, _)| delivered.error)
+        self.outcome.as_ref().ok().and_then(|(delivered, _)| delivered.error)
     }
 }
 
@@ -158,9 +158,12 @@ pub(super) fn show(runs: &[Run], methods: &[Method]) -> (Table, Lines, Lines) {
             let mut cells: Vec<Cell> = vec![name.into(), run.horizon.steps().into()];
             match (&run.outcome, run.evaluations()) {
                 (Ok((Delivered { error, .. }, wall)), Some(evaluations)) => {
-                    by_count.points.push((evaluations as f64, *error));
-                    by_time.points.push((wall.median, *error));
-                    cells.extend([evaluations.into(), (*error).into()]);
+                    if let Some(error) = *error {
+                        by_count.points.push((evaluations as f64, error));
+                        by_time.points.push((wall.median, error));
+                    }
+                    let error = error.map_or("not known".into(), Cell::from);
+                    cells.extend([evaluations.into(), error]);
                     cells.extend([wall.median, wall.min, wall.max].map(Cell::from));
                 }
                 (Err(failure), _) => {

@@ -42,7 +42,8 @@ pub(super) fn horizons(draw: &mut Draw) -> Verdict {
     let done = draw.below(5) as u64;
     draw.note(format!("{horizon:?} starting at {start}, resumed at {done}"));
     let Ok(horizon) = horizon else { return Verdict::due() };
-    let horizon = horizon.resumed(done).starting(start);
+    let Ok(horizon) = horizon.resumed(done) else { return Verdict::due() };
+    let horizon = horizon.starting(start);
     if horizon.steps() > 1000 {
         return judge("a horizon", Ok::<_, ()>(vec![horizon.step()]));
     }
