@@ -364,3 +364,45 @@ fn limits_and_friction_are_rows_along_the_joint_and_limits_in_the_wrong_order_ar
         JointFriction::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), -0.5).unwrap_err();
     assert!(error.to_string().contains("the friction's bound is -0.5"), "{error}");
 }
+
+#[test]
+fn neither_the_unit_of_length_nor_of_mass_changes_what_is_free_and_what_closes() {
+    for unit in [1e-7, 1e-4, 1.0, 1e4, 1e7] {
+        for mass in [1e-9, 1.0, 1e9] {
+            let body = Body::solid_box(mass, [unit; 3]).unwrap();
+            let metric = BodyMetric::<Poses>::new(vec![body]);
+            let ends = [JointEnd::world(Vector3::zeros()), JointEnd::on(0, Vector3::z() * unit)];
+            let held = vec![joint(1, HINGE, ends)];
+            let tilt = Rotation::exp(Vector3::x() * 0.1).quaternion();
+            let guess = [&[0.3 * unit, 0.0, -unit][..], &tilt].concat();
+            let closed = assemble(&metric, &held, 0.0, &guess).unwrap();
+            assert!(closed.iterations < 20, "{unit} {mass}: {}", closed.iterations);
+            let mut gaps = [0.0; 5];
+            held.value(0.0, &closed.q, &mut gaps).unwrap();
+            assert!(
+                gaps[..3].iter().all(|gap| gap.abs() < 1e-12 * unit),
+                "{unit} {mass}: {gaps:?}"
+            );
+            assert!(gaps[3..].iter().all(|gap| gap.abs() < 1e-12), "{unit} {mass}: {gaps:?}");
+            assert_eq!(mobility(&metric, &held, 0.0, &closed.q).unwrap().freedoms, 1);
+        }
+    }
+}
+
+#[test]
+fn bodies_that_are_not_there_and_numbers_that_are_not_finite_are_errors_of_every_question() {
+    let none = BodyMetric::<Poses>::new(Vec::new());
+    let held = vec![joint(1, HINGE, hung())];
+    let state = bodies(1).metric().state(&[swinging(0.0, 0.0)]).unwrap();
+    assert!(matches!(mobility(&none, &held, 0.0, &state.q), Err(MechanismError::Size(_))));
+    let mut open = state.q.clone();
+    open[1] += 0.1;
+    assert!(matches!(assemble(&none, &held, 0.0, &open), Err(MechanismError::Size(_))));
+    let free: Vec<Joint<Poses>> = Vec::new();
+    assert_eq!(mobility(&none, &free, 0.0, &[]).unwrap().freedoms, 0);
+    assert_eq!(assemble(&none, &free, 0.0, &[]).unwrap().q, Vec::<f64>::new());
+    let mut q = state.q;
+    q[0] = f64::NAN;
+    let error = mobility(bodies(1).metric(), &held, 0.0, &q).unwrap_err();
+    assert!(matches!(error, MechanismError::NonFinite { index: 0, .. }), "{error}");
+}
