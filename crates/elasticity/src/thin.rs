@@ -8,7 +8,8 @@
 //! `F` 2 x 2, `W3` the energy density of the solid (J/m^3), the section of the body is the thickness
 //! at rest (m). Right for every solid and every strain at which such an `s` is found, positive, from s = 1
 //! by Newton's method on one number: for [`NeoHookean`](crate::NeoHookean), whose energy is convex in s,
-//! where det F > 0; NaN where none is found. Where det F <= 0 it has none: such a sheet has been turned over, or is flat.
+//! where det F > 0; NaN where none is found. Where det F <= 0 it has none: such a sheet has been turned
+//! over, or is flat.
 //!
 //! The two-dimensional laws of [`Lame::plane_stress`](crate::Lame::plane_stress) need no such search,
 //! and are the same sheet to first order of the strain only, but for the linear one and Saint
