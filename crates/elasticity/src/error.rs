@@ -89,6 +89,22 @@ pub enum ElasticityError {
     /// A thickness or cross-section must be positive and finite.
     #[error("the section is {0}; it must be positive and finite")]
     Section(f64),
+    /// A length must be positive and finite, and so must what follows from it.
+    #[error(
+        "a length is {0:e} m; it must be positive and finite, and so must be frequencies and their \
+         squares"
+    )]
+    Length(f64),
+    /// A number of things, or the number of one of them, that there is not.
+    #[error("{asked} was asked for; the least is {least} and the most {most}")]
+    Count {
+        /// What was asked for.
+        asked: usize,
+        /// The least there is.
+        least: usize,
+        /// The most there is.
+        most: usize,
+    },
     /// A bending stiffness must be positive and finite.
     #[error("the bending stiffness is {0}; it must be positive and finite")]
     Bending(f64),
@@ -209,6 +225,31 @@ pub enum ElasticityError {
         steps: usize,
         /// Why.
         source: NewtonError,
+    },
+    /// A load step whose rest rounding leaves open.
+    #[error(
+        "load step {step} of {steps}: rounding leaves open where the body rests: {left:e} m are left of a \
+         displacement of {displacement:e} m"
+    )]
+    Unsettled {
+        /// The step, from 1.
+        step: usize,
+        /// How many there are.
+        steps: usize,
+        /// How far the rest is still off, m.
+        left: f64,
+        /// How far load and supports lead, m.
+        displacement: f64,
+    },
+    /// A rest whose supports do not bear the load.
+    #[error(
+        "rounding leaves open what holds the body: of forces of {load:e} N the supports miss {missing:e} N"
+    )]
+    Unbalanced {
+        /// What load and reactions leave of each other, N.
+        missing: f64,
+        /// The sizes of the forces, summed, N.
+        load: f64,
     },
     /// No load steps at all.
     #[error("a load needs at least one step")]

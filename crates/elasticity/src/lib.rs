@@ -78,6 +78,7 @@ mod boundary;
 mod load;
 mod strain_rate;
 mod rigid_motions;
+mod settle;
 mod statics;
 mod stress;
 pub mod problems;

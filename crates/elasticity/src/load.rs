@@ -120,6 +120,11 @@ impl<const D: usize> DeadLoad<D> {
         &self.freedoms
     }
 
+    /// The forces at the free coordinates, in their order.
+    pub(crate) fn at_free(&self) -> &[f64] {
+        &self.free
+    }
+
     /// The same load times a factor.
     ///
     /// # Errors

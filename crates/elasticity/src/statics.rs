@@ -13,8 +13,11 @@
 //! residual  |dV - t f|, in the metric: (r . M^-1 r)^(1/2), kg^1/2 m/s^2
 //! rounding  4 eps |H| max|x|           what rounding of the places alone makes of dV
 //! ```
-//! A residual below the second line is rest: where Newton's method gives up there, because nothing
-//! falls any more, the answer stands. It is as good as the places' own digits.
+//! Newton's method may end where nothing falls any more, by rounding, or give up below the second line. Such a
+//! place is at rest if it is also known to a thousandth of the displacement (`settle`), and if the forces that
+//! hold it are the load's to a fiftieth. Where it is not known it is corrected; where that does not help it is an
+//! error that says how far off it is. A load that leads by less than the places' digits leaves the body where it
+//! is; the reactions are then rounding.
 //!
 //! A body that may shift as a whole is refused before any solve: its Hessian has no inverse. One that
 //! may turn, on a hinge, two pins or an edge, hangs where its load is lowest; it is turned there before
@@ -24,11 +27,13 @@
 
 use stationary_calculus::{
     ConjugateGradient, Covector, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver,
-    IterativeSolver, Metric, Newton, NewtonEnd, Ordering, Potential, Sink, SparseSolver, Vector,
+    IterativeSolver, Metric, Newton, NewtonEnd, NewtonError, NewtonFailure, Ordering, Potential,
+    SparseSolver, Vector,
 };
 use stationary_mesh::Places;
 
 use crate::rigid_motions::{check_hung, hang};
+use crate::settle::{Displacement, NOTICED, RowSizes, Settle, Settled, difference, largest};
 use crate::{DeadLoad, ElasticityError, Material, Solid};
 
 /// How each of Newton's steps is solved.
@@ -90,7 +95,9 @@ impl Statics {
     /// [`ElasticityError::Freedoms`], [`ElasticityError::Position`], [`ElasticityError::HeldPlaces`],
     /// [`ElasticityError::Held`] and [`ElasticityError::OtherSupports`] for what does not fit the body;
     /// [`ElasticityError::RigidMotions`] where it may still move as a whole;
-    /// [`ElasticityError::Statics`] where a load step finds no rest, and
+    /// [`ElasticityError::Statics`] where a load step finds no rest,
+    /// [`ElasticityError::Unsettled`] and [`ElasticityError::Unbalanced`] where rounding leaves open where it
+    /// is or what holds it, and
     /// [`ElasticityError::InsideOut`] where it is one of elements inside out.
     pub fn solve<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
         &self,
@@ -190,6 +197,7 @@ impl Statics {
     {
         let steps = self.steps;
         let mut reports = Vec::with_capacity(steps);
+        let began = x.to_vec();
         for step in 1..=steps {
             let t = step as f64 / steps as f64;
             let between: Vec<f64> =
@@ -197,22 +205,65 @@ impl Statics {
             solid.hold_at(&between)?;
             let potential = (&*solid, load.scaled(t)?);
             let mut search = Equilibrium::new(metric, &potential, &mut solver, self.newton)?;
-            let found = search.find(x).or_else(|source| {
-                // What is left may be rounding: then there is nothing left to fall.
-                let tolerance = rounding(solid, metric, x);
-                if source.history.last().is_none_or(|&last| last.is_nan() || last > tolerance) {
+            let found = search.find(x);
+            let history = search.history().to_vec();
+            let report = match found {
+                Ok(report) if report.newton.end == NewtonEnd::Tolerance => report,
+                Err(source) if !is_rounding(&history, rounding(solid, metric, x)) => {
                     return Err(ElasticityError::Statics { step, steps, source });
                 }
-                let newton = Newton { tolerance, ..self.newton };
-                let mut search = Equilibrium::new(metric, &potential, &mut solver, newton)?;
-                let found = search.find(x);
-                let mut report =
-                    found.map_err(|source| ElasticityError::Statics { step, steps, source })?;
-                report.newton.iterations = source.history.len() as u32 - 1;
-                report.newton.end = NewtonEnd::Rounding;
-                Ok(report)
-            });
-            reports.push(found?);
+                found => {
+                    let held = [difference(&between, start), largest(&between)];
+                    let load = potential.1.at_free();
+                    let of = Displacement { start: &began, held, load };
+                    let mut settle = Settle { solver: &mut solver, metric, potential: &potential };
+                    let settled = settle.settle(x, &of);
+                    if matches!(settled, Settled::Known) {
+                        check_balance(solid, &potential.1, held[0] > 0.0, x)?;
+                    }
+                    match (settled, found) {
+                        (Settled::Known | Settled::Still, Ok(report)) => report,
+                        (Settled::Known | Settled::Still, Err(source)) => {
+                            // All that is left to find out is what kind of place it is.
+                            let newton = Newton { tolerance: f64::MAX, ..self.newton };
+                            let mut search =
+                                Equilibrium::new(metric, &potential, &mut solver, newton)?;
+                            let found = search.find(x);
+                            let mut report = found.map_err(|source| ElasticityError::Statics {
+                                step,
+                                steps,
+                                source,
+                            })?;
+                            report.newton.iterations = source.history.len() as u32 - 1;
+                            report.newton.end = NewtonEnd::Rounding;
+                            report
+                        }
+                        (Settled::Off([left, displacement]), _) => {
+                            return Err(ElasticityError::Unsettled {
+                                step,
+                                steps,
+                                left,
+                                displacement,
+                            });
+                        }
+                        (Settled::Unsolved, Err(source)) => {
+                            return Err(ElasticityError::Statics { step, steps, source });
+                        }
+                        (Settled::Unsolved, Ok(report)) => {
+                            let first = history.first().copied().unwrap_or(0.0);
+                            let most = size(metric, load).max(first);
+                            let is_loaded = largest(load) > 0.0 || held[0] > 0.0;
+                            if is_loaded && report.newton.residual > NOTICED * most {
+                                let failure = NewtonFailure::NotConverged;
+                                let source = NewtonError { failure, history };
+                                return Err(ElasticityError::Statics { step, steps, source });
+                            }
+                            report
+                        }
+                    }
+                }
+            };
+            reports.push(report);
         }
         Ok(reports)
     }
@@ -238,6 +289,44 @@ where
     Ok(AtRest { steps, reactions, inverted })
 }
 
+/// A force of this part of the load is noticed where it is missing.
+const MISSING: f64 = 0.02;
+
+/// Whether the supports bear the load.
+fn check_balance<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
+    solid: &Solid<M, N, D, R, Q>,
+    load: &DeadLoad<D>,
+    moved: bool,
+    q: &[f64],
+) -> Result<(), ElasticityError>
+where
+    M: Material<D, R>,
+{
+    let mut size: f64 = load.forces().as_flattened().iter().map(|f| f.abs()).sum();
+    if size == 0.0 {
+        return Ok(());
+    }
+    let borne = solid.held_differential(q)?;
+    let held = load.at_held();
+    if moved {
+        // What supports do to each other may be more than the load.
+        size += borne.iter().map(|f| f.abs()).sum::<f64>();
+    }
+    let mut sums = [0.0; D];
+    for force in load.forces() {
+        sums.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+    }
+    for ((&(_, component), borne), f) in solid.freedoms().held().iter().zip(&borne).zip(held) {
+        sums[component] += borne - f;
+    }
+    let missing = largest(&sums);
+    if missing <= MISSING * size {
+        Ok(())
+    } else {
+        Err(ElasticityError::Unbalanced { missing, load: size })
+    }
+}
+
 /// How much of the residual rounding may be, in the metric: `4 eps |H| max|x|`.
 fn rounding<M, const N: usize, const D: usize, const R: usize, const Q: usize>(
     solid: &Solid<M, N, D, R, Q>,
@@ -252,24 +341,17 @@ where
     let mut sink = RowSizes { rows: vec![0.0; q.len()] };
     solid.add_hessian(q, &mut sink);
     let noise: Vec<f64> = sink.rows.iter().map(|row| 4.0 * f64::EPSILON * farthest * row).collect();
-    let mut acceleration = vec![0.0; q.len()];
-    metric.sharp(Covector(&noise), Vector(&mut acceleration));
-    noise.iter().zip(&acceleration).map(|(f, a)| f * a).sum::<f64>().sqrt()
+    size(metric, &noise)
 }
 
-/// Sums the sizes of the entries of each row.
-struct RowSizes {
-    rows: Vec<f64>,
+/// The size of a covector, in the metric.
+fn size(metric: &DiagonalMetric<Vec<f64>>, covector: &[f64]) -> f64 {
+    let mut acceleration = vec![0.0; covector.len()];
+    metric.sharp(Covector(covector), Vector(&mut acceleration));
+    covector.iter().zip(&acceleration).map(|(f, a)| f * a).sum::<f64>().sqrt()
 }
 
-impl Sink for RowSizes {
-    fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
-        for column in block.chunks_exact(freedoms.len()) {
-            for (&row, entry) in freedoms.iter().zip(column) {
-                if let Some(sum) = self.rows.get_mut(row) {
-                    *sum += entry.abs();
-                }
-            }
-        }
-    }
+/// Whether the last residual may be rounding.
+fn is_rounding(history: &[f64], rounding: f64) -> bool {
+    history.last().is_some_and(|&last| last <= rounding)
 }

@@ -6,9 +6,10 @@
 //! A_ikjl = A3_ikjl - A3_ik33 A3_33jl / A3_3333             as s follows
 //! ```
 //! `F` 2 x 2, `W3` the energy density of the solid (J/m^3), the section of the body is the thickness
-//! at rest (m). Right for every solid and every strain at which such an `s` is found, from s = 1 by
-//! Newton's method on one number: always for [`NeoHookean`](crate::NeoHookean), whose energy is convex
-//! in s; NaN where none is found.
+//! at rest (m). Right for every solid and every strain at which such an `s` is found, positive, from s = 1
+//! by Newton's method on one number: for [`NeoHookean`](crate::NeoHookean), whose energy is convex in s,
+//! where det F > 0; NaN where none is found. Where det F <= 0 it has none: such a sheet has been turned
+//! over, or is flat.
 //!
 //! The two-dimensional laws of [`Lame::plane_stress`](crate::Lame::plane_stress) need no such search,
 //! and are the same sheet to first order of the strain only, but for the linear one and Saint
@@ -35,11 +36,18 @@ pub struct FreeToThin<M>(pub M);
 
 /// Newton's steps for the stretch across.
 const ITERATIONS: usize = 60;
+/// Steps of this part of the stretch, or of 1 where that is more, are rounding if so many come in a row: the
+/// stress across is known to rounding of its terms, not of the stretch.
+const NEARLY: f64 = 1e-9;
+/// But not steps of so much of the stretch: those lead to a sheet of no thickness.
+const VANISHES: f64 = 1e-3;
+const IN_A_ROW: usize = 4;
 
 impl<M: Material<3, 3>> FreeToThin<M> {
     /// The stretch across the sheet, at which its faces bear no stress; NaN where none is found.
     pub fn stretch_across<T: Real>(&self, f: &[[T; 2]; 2]) -> T {
         let mut across = T::splat(1.0);
+        let mut nearly = 0;
         for _ in 0..ITERATIONS {
             let solid = spread(f, across);
             let stress = self.0.stress(&solid)[2][2];
@@ -49,6 +57,13 @@ impl<M: Material<3, 3>> FreeToThin<M> {
             across = across - step;
             let settled = step.magnitude() - across.magnitude() * (4.0 * f64::EPSILON);
             if settled.all(|x| x <= 0.0) && across.all(|x| x > 0.0) {
+                return across;
+            }
+            let close = step.magnitude() - T::larger(across, T::splat(1.0)) * NEARLY;
+            let remains = step.magnitude() - across * VANISHES;
+            let is_close = close.all(|x| x <= 0.0) && remains.all(|x| x <= 0.0);
+            nearly = if is_close { nearly + 1 } else { 0 };
+            if nearly == IN_A_ROW && across.all(|x| x > 0.0) {
                 return across;
             }
         }
@@ -143,6 +158,49 @@ mod tests {
         let before = across(1.16);
         assert!((before * before - (1.0 - 2.0 * 3.0 / 7.0 * 1.16)).abs() < 1e-12, "{before}");
         assert!(across(1.17).is_nan() && across(2.0).is_nan());
+    }
+
+    #[test]
+    fn a_neo_hookean_sheet_has_a_stretch_across_at_every_stretch() {
+        for poisson in [-0.3, 0.0, 0.3, 0.45, 0.499_999] {
+            let lame = Lame::from_young_poisson(1.0, poisson).unwrap();
+            let rubber = NeoHookean::new(lame).unwrap();
+            let (sheet, size) = (FreeToThin(rubber), lame.lambda() + lame.mu());
+            for k in 0..600 {
+                let along = 0.02 * f64::from(k + 1);
+                for beside in [along, 1.0, 0.3] {
+                    let f = [[along, 0.0], [0.0, beside]];
+                    let s: f64 = sheet.stretch_across(&f);
+                    assert!(s > 0.0, "{poisson}: {along} {beside} {s}");
+                    let stress = rubber.stress(&spread(&f, s))[2][2];
+                    let terms = size * (1.0 + along * beside) * (1.0 + s);
+                    assert!(stress.abs() < 1e-13 * terms, "{poisson}: {f:?} {s} {stress:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn each_of_four_sheets_finds_its_own_stretch() {
+        use crate::Lanes;
+        let sheet = FreeToThin(NeoHookean::new(solid()).unwrap());
+        let along = [0.32, 1.0, 3.26, 9.0];
+        let four = Lanes::from(along);
+        let zero = Lanes::splat(0.0);
+        let found = sheet.stretch_across(&[[four, zero], [zero, four]]);
+        for (lane, along) in along.into_iter().enumerate() {
+            let alone: f64 = sheet.stretch_across(&[[along, 0.0], [0.0, along]]);
+            assert!((found.lane(lane) - alone).abs() < 1e-13, "{along}");
+        }
+    }
+
+    #[test]
+    fn a_sheet_that_is_turned_over_or_flat_has_no_stretch_across() {
+        let sheet = FreeToThin(NeoHookean::new(solid()).unwrap());
+        for f in [[[-1.0, 0.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 0.0]]] {
+            let s: f64 = sheet.stretch_across(&f);
+            assert!(s.is_nan(), "{s}");
+        }
     }
 
     proptest! {

@@ -108,32 +108,69 @@ pub fn sliding_block<F: Reference<N, 3, Q> + Copy, const N: usize, const Q: usiz
     Vibration::new(family, mesh, block_pair()?, [1.0, 1.0], |x, c| x[c] == 0.0 || x[c] == size[c])
 }
 
+/// No list of frequencies is longer.
+const MOST: usize = 1_000_000;
+/// From one bound of the search to the next: of waves of three dimensions about twice as many are below it.
+const WIDER: f64 = 1.25;
+
 /// The lowest angular frequencies of [`sliding_block`], rad/s.
 ///
 /// # Errors
-/// None.
+/// [`ElasticityError::Count`] for more than a million of them; [`ElasticityError::Length`] for sizes that are
+/// not positive and finite, or whose frequencies or their squares leave the range of numbers.
 pub fn sliding_block_frequencies(
     size: [f64; 3],
     count: usize,
 ) -> Result<Vec<f64>, ElasticityError> {
+    if count > MOST {
+        return Err(ElasticityError::Count { asked: count, least: 0, most: MOST });
+    }
     let lame = block_pair()?;
     let speeds = [(lame.lambda() + 2.0 * lame.mu()).sqrt(), lame.mu().sqrt()];
+    if let Some(&length) = size.iter().find(|&&length| !(length > 0.0 && length.is_finite())) {
+        return Err(ElasticityError::Length(length));
+    }
+    let longest = size.into_iter().fold(0.0, f64::max);
+    let mut bound = 2.0 * PI / longest;
+    // The squares of the bounds of a million waves, up and down.
+    if !(1e-280..1e280).contains(&(bound * bound)) {
+        return Err(ElasticityError::Length(longest));
+    }
+    loop {
+        let mut all = waves_below(bound, size, speeds);
+        if all.len() >= count {
+            all.sort_by(f64::total_cmp);
+            all.truncate(count);
+            return Ok(all);
+        }
+        bound *= WIDER;
+    }
+}
+
+/// The frequencies of a block that are not above the bound times the speed of shear.
+fn waves_below(bound: f64, size: [f64; 3], speeds: [f64; 2]) -> Vec<f64> {
+    // A wave's part along an axis, up to the bound.
+    let parts = |axis: usize| {
+        let part = move |k: usize| PI * k as f64 / size[axis];
+        (0..).map(part).take_while(move |&part| part <= bound)
+    };
     let mut all = Vec::new();
-    // Indices above the count belong to higher frequencies than that many others.
-    let side = count + 1;
-    for index in 0..side.pow(3) {
-        let k = [index / (side * side), index / side % side, index % side];
-        let waves = k.iter().zip(size).map(|(&k, size)| PI * k as f64 / size);
-        let length = waves.map(|k| k * k).sum::<f64>().sqrt();
-        let shears = k.iter().filter(|&&k| k > 0).count();
-        if shears > 0 {
-            all.push(speeds[0] * length);
-            all.extend((1..shears).map(|_| speeds[1] * length));
+    for x in parts(0) {
+        for y in parts(1) {
+            for z in parts(2) {
+                let length = [x, y, z].map(|k| k * k).iter().sum::<f64>().sqrt();
+                if length > bound {
+                    break;
+                }
+                let shears = [x, y, z].iter().filter(|&&k| k > 0.0).count();
+                if shears > 0 && speeds[0] * length <= speeds[1] * bound {
+                    all.push(speeds[0] * length);
+                }
+                all.extend((1..shears).map(|_| speeds[1] * length));
+            }
         }
     }
-    all.sort_by(f64::total_cmp);
-    all.truncate(count);
-    Ok(all)
+    all
 }
 
 /// The membrane of NAFEMS FV32, on a mesh of its shape.
@@ -148,13 +185,25 @@ pub fn fv32<F: Reference<N, 2, Q> + Copy, const N: usize, const Q: usize>(
     Vibration::new(family, mesh, lame, [8e3, 0.05], |x, _| x[0] == 0.0)
 }
 
-/// The k-th angular frequency (k = 1, 2, ...) of [`vibrating_bar`] of a length, rad/s: of the
+/// The k-th angular frequency (k = 1, 2, ..., n) of [`vibrating_bar`] of a length, rad/s: of the
 /// continuum, and of n linear cells with lumped and with Galerkin's mass.
-pub fn bar_frequencies(length: f64, cells: usize, k: usize) -> [f64; 3] {
+///
+/// # Errors
+/// [`ElasticityError::Count`] for a k that is 0 or above the number of cells, whose frequencies are no more;
+/// [`ElasticityError::Length`] for a length that is not positive and finite, or whose frequencies are not.
+pub fn bar_frequencies(length: f64, cells: usize, k: usize) -> Result<[f64; 3], ElasticityError> {
+    if !(1..=cells).contains(&k) {
+        return Err(ElasticityError::Count { asked: k, least: 1, most: cells });
+    }
     let n = cells as f64;
     let t = (k as f64 - 0.5) * PI / n;
     let galerkin = (6.0 * (1.0 - t.cos()) / (2.0 + t.cos())).sqrt();
-    [t, 2.0 * (0.5 * t).sin(), galerkin].map(|w| w * n / length)
+    let all = [t, 2.0 * (0.5 * t).sin(), galerkin].map(|w| w * n / length);
+    if length > 0.0 && all.iter().all(|w| w.is_finite() && *w > 0.0) {
+        Ok(all)
+    } else {
+        Err(ElasticityError::Length(length))
+    }
 }
 
 #[cfg(test)]
@@ -175,5 +224,44 @@ mod tests {
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
         }
+    }
+
+    #[test]
+    fn blocks_and_bars_without_frequencies_are_refused() {
+        for length in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-200, 1e200] {
+            let error = sliding_block_frequencies([length; 3], 4).unwrap_err();
+            assert!(matches!(error, ElasticityError::Length(_)), "{error}");
+        }
+        for size in [[0.0, 1.0, 1.0], [1.0, f64::INFINITY, 1.0], [1.0, 1.0, f64::NAN]] {
+            let error = sliding_block_frequencies(size, 4).unwrap_err();
+            assert!(matches!(error, ElasticityError::Length(_)), "{error}");
+        }
+        for count in [3_000_000, usize::MAX] {
+            let error = sliding_block_frequencies([1.0; 3], count).unwrap_err();
+            assert!(matches!(error, ElasticityError::Count { .. }), "{error}");
+        }
+        for k in [0, 3, 5, usize::MAX] {
+            let error = bar_frequencies(1.0, 2, k).unwrap_err();
+            assert!(matches!(error, ElasticityError::Count { .. }), "{error}");
+        }
+        for length in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let error = bar_frequencies(length, 2, 1).unwrap_err();
+            assert!(matches!(error, ElasticityError::Length(_)), "{error}");
+        }
+        assert!(bar_frequencies(1.0, 2, 2).is_ok());
+    }
+
+    #[test]
+    fn a_rod_of_a_block_has_the_waves_along_it_and_many_blocks_have_all_in_order() {
+        let lame = block_pair().unwrap();
+        let pressure = (lame.lambda() + 2.0 * lame.mu()).sqrt();
+        let rod = sliding_block_frequencies([1.0, 1e-150, 1e-9], 50).unwrap();
+        for (mode, omega) in rod.iter().enumerate() {
+            assert!((omega / (pressure * PI * (mode + 1) as f64) - 1.0).abs() < 1e-14);
+        }
+        let many = sliding_block_frequencies([1.0, 0.7, 0.4], 20_000).unwrap();
+        assert!(many.len() == 20_000 && many.is_sorted());
+        let few = sliding_block_frequencies([1.0, 0.7, 0.4], 100).unwrap();
+        assert_eq!(few, many[..100]);
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use stationary_calculus::{
     ConjugateGradient, Curvature, DiagonalMetric, Newton, Ordering, assert_derivatives,
 };
+use stationary_elasticity::problems::{Beam, SheetFamily};
 use stationary_elasticity::{
     AtRest, DeadLoad, ElasticityError, Elements, Freedoms, Held, Lame, Linear, LinearTetrahedron,
     LinearTriangle, Material, NeoHookean, SaintVenantKirchhoff, Solid, Solves, Statics,
@@ -414,5 +415,80 @@ fn a_slender_beam_at_rounding_is_an_answer() {
             .filter_map(|((_, c), f)| (*c == 1).then_some(f))
             .sum();
         assert!((up / (1e-3 * size) + 1.0).abs() < 0.1, "{size}: {up}");
+    }
+}
+
+/// A bar of ten cells along x, a thousand times as long as high, pulled by its weight along x: the end's way and
+/// the sum of the reactions, both as parts of the exact ones.
+fn pulled_bar(weight: f64, solves: Solves) -> Result<[f64; 2], ElasticityError> {
+    let mesh = rectangle([1000.0, 1.0], [10, 1], Diagonals::Alternating).unwrap();
+    let freedoms = Freedoms::held_where(&mesh.nodes(), |x, _| x[0] == 0.0)?;
+    let law = Linear::new(Lame::<3>::from_young_poisson(1e9, 0.0)?.plane_stress());
+    let mut solid = Solid::new(LinearTriangle, &mesh, 1.0, law, freedoms.clone())?;
+    let load = DeadLoad::body(LinearTriangle, &mesh, 1.0, &freedoms, |_| [weight, 0.0])?;
+    let metric = lumped_mass(LinearTriangle, &mesh, [1.0, 1.0], &freedoms)?;
+    let mut q = freedoms.gathered(&mesh.nodes())?;
+    let statics = Statics { solves, ..Statics::default() };
+    let rest = statics.solve(&mut solid, &load, &metric, freedoms.places(), &mut q)?;
+    // A second search from there finds nothing to do.
+    statics.solve(&mut solid, &load, &metric, freedoms.places(), &mut q)?;
+    let end = freedoms.positions(&q)?.iter().map(|x| x[0]).fold(0.0, f64::max) - 1000.0;
+    let along = freedoms.held().iter().zip(&rest.reactions).filter(|((_, c), _)| *c == 0);
+    let pull: f64 = along.map(|(_, f)| f).sum();
+    Ok([end / (weight * 5e5 / 1e9), pull / (-1000.0 * weight)])
+}
+
+#[test]
+fn iterations_that_are_too_few_find_no_rest() {
+    let method = |iterations| Solves::Iterate(ConjugateGradient { tolerance: 1e-12, iterations });
+    for weight in [1e-4, 1.0, 1e4] {
+        let error = pulled_bar(weight, method(1)).unwrap_err();
+        assert!(matches!(error, ElasticityError::Statics { .. }), "{weight}: {error}");
+        let [end, pull] = pulled_bar(weight, Solves::Factor(Ordering::default())).unwrap();
+        assert!((end - 1.0).abs() < 1e-3, "{weight}: {end}");
+        assert!((pull - 1.0).abs() < 1e-3, "{weight}: {pull}");
+    }
+}
+
+#[test]
+fn the_deflection_of_a_beam_however_slender_is_right_or_refused() {
+    let steel = Lame::<3>::from_young_poisson(2e11, 0.3).unwrap().plane_stress();
+    let mut refused = 0;
+    for unit in [1e-3, 1.0, 1e3] {
+        for height in [1e-2, 1e-3, 3e-4, 1e-4] {
+            for part in [1e-12, 1e-9, 0.05] {
+                let size = [unit, unit * height];
+                let beam = Beam { size, lame: steel, push: 1.0, diagonals: Diagonals::Alternating };
+                let beam = Beam { push: part * unit / beam.deflection(), ..beam };
+                match beam.solved(SheetFamily::Quadratic, [50, 1]) {
+                    Ok(sheet) => {
+                        // Of its fifty cells the clamp makes one a little stiffer than the theory.
+                        let ratio = sheet.value / (part * unit);
+                        assert!((ratio - 1.0).abs() < 4e-3, "{unit} {height} {part}: {ratio}");
+                    }
+                    Err(
+                        ElasticityError::Statics { .. }
+                        | ElasticityError::Unsettled { .. }
+                        | ElasticityError::Unbalanced { .. },
+                    ) => {
+                        assert!(height < 3e-4 || part < 1e-4, "{unit} {height} {part}: refused");
+                        refused += 1;
+                    }
+                    Err(error) => panic!("{error}"),
+                }
+            }
+        }
+    }
+    assert!(refused > 0, "the trial goes far enough");
+}
+
+#[test]
+fn a_load_that_leads_by_less_than_the_places_digits_leaves_a_block_where_it_is() {
+    let floor = |x: Vector3<f64>| x.z == 0.0;
+    let before = block_under(floor, [0.0; 3]).unwrap().0;
+    for weight in [1e-150, 1e-20] {
+        let (positions, ..) = block_under(floor, [0.0, 0.0, -weight]).unwrap();
+        let moved = positions.as_flattened().iter().zip(before.as_flattened());
+        assert!(moved.into_iter().all(|(x, before)| (x - before).abs() < 1e-14), "{weight:e}");
     }
 }

@@ -28,7 +28,7 @@ fn the_bar_has_its_closed_forms_above_the_continuum_with_one_mass_and_below_with
     let lumped = frequencies(&body.lumped, &body.solid, &body.q, 10);
     let galerkin = frequencies(&body.galerkin, &body.solid, &body.q, 10);
     for (k, (below, above)) in lumped.iter().zip(&galerkin).enumerate() {
-        let [exact, exact_lumped, exact_galerkin] = bar_frequencies(length, cells, k + 1);
+        let [exact, exact_lumped, exact_galerkin] = bar_frequencies(length, cells, k + 1).unwrap();
         assert!((below / exact_lumped - 1.0).abs() < 1e-10, "{k}: {below} {exact_lumped}");
         assert!((above / exact_galerkin - 1.0).abs() < 1e-10, "{k}: {above} {exact_galerkin}");
         assert!(*below < exact && exact < *above);

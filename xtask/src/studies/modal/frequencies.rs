@@ -55,8 +55,8 @@ struct Family {
 const WHICH: usize = 3;
 const BLOCK: [f64; 3] = [1.0, 0.8, 0.6];
 
-fn of_bar(found: &[f64], cells: usize) -> f64 {
-    found[WHICH] / bar_frequencies(1.0, cells, WHICH + 1)[0] - 1.0
+fn of_bar(found: &[f64], cells: usize) -> Result<f64, Failed> {
+    Ok(found[WHICH] / bar_frequencies(1.0, cells, WHICH + 1)?[0] - 1.0)
 }
 
 fn of_block(found: &[f64]) -> Result<f64, Failed> {
@@ -70,7 +70,7 @@ const FAMILIES: [Family; 5] = [
         error: |n| {
             let body = vibrating_bar(LinearSegment, &bar(1.0, n)?)?;
             let found = frequencies::<1>(&body.lumped, &body.solid, &body.q, WHICH + 1)?;
-            Ok(of_bar(&found, n))
+            of_bar(&found, n)
         },
         order: 2.0,
         sign: -1.0,
@@ -81,7 +81,7 @@ const FAMILIES: [Family; 5] = [
         error: |n| {
             let body = vibrating_bar(LinearSegment, &bar(1.0, n)?)?;
             let found = frequencies::<1>(&body.galerkin, &body.solid, &body.q, WHICH + 1)?;
-            Ok(of_bar(&found, n))
+            of_bar(&found, n)
         },
         order: 2.0,
         sign: 1.0,
@@ -93,7 +93,7 @@ const FAMILIES: [Family; 5] = [
             let mesh = QuadraticSegments::straight(&bar(1.0, n)?);
             let body = vibrating_bar(QuadraticSegment, &mesh)?;
             let found = frequencies::<1>(&body.galerkin, &body.solid, &body.q, WHICH + 1)?;
-            Ok(of_bar(&found, n))
+            of_bar(&found, n)
         },
         order: 4.0,
         sign: 1.0,
