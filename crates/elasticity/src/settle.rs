@@ -71,12 +71,15 @@ impl<L: HessianSolver, P: Potential> Settle<'_, L, P> {
         for _ in 0..CORRECTIONS {
             let mut residual = vec![0.0; x.len()];
             self.potential.add_differential(x, Covector(&mut residual[..]));
-            let Some(correction) = self.solution(x, residual) else { return Settled::Unsolved };
+            let Some(rung) = self.factor(x) else { return Settled::Unsolved };
+            let Some(correction) = self.solution(x, rung, residual) else {
+                return Settled::Unsolved;
+            };
             let size = largest(&correction);
             let displacement = match known {
                 Some(displacement) => displacement,
                 None => {
-                    let Some(displacement) = self.displacement(x, of) else {
+                    let Some(displacement) = self.displacement(x, rung, of) else {
                         return Settled::Unsolved;
                     };
                     *known.insert(displacement)
@@ -107,30 +110,37 @@ impl<L: HessianSolver, P: Potential> Settle<'_, L, P> {
     }
 
     /// How far the load leads or the supports were moved.
-    fn displacement(&mut self, x: &[f64], of: &Displacement<'_>) -> Option<f64> {
+    fn displacement(&mut self, x: &[f64], rung: Rung, of: &Displacement<'_>) -> Option<f64> {
         if largest(of.load) == 0.0 {
             return Some(of.held[0]);
         }
-        let led = self.solution(x, of.load.to_vec())?;
+        let led = self.solution(x, rung, of.load.to_vec())?;
         Some(largest(&led).max(of.held[0]))
     }
 
-    /// The solution of the linearized equation.
-    fn solution(&mut self, x: &[f64], mut r: Vec<f64>) -> Option<Vec<f64>> {
+    /// Factors the Hessian, or what stands for it where it is not definite.
+    fn factor(&mut self, x: &[f64]) -> Option<Rung> {
+        let rung = self.solver.factor_weighted(0.0, self.metric, 1.0, self.potential, x).ok()?;
+        if rung != Rung::Cholesky {
+            self.factor_shifted(x)?;
+        }
+        Some(rung)
+    }
+
+    /// The solution of the linearized equation, once it was factored.
+    fn solution(&mut self, x: &[f64], rung: Rung, mut r: Vec<f64>) -> Option<Vec<f64>> {
         if largest(&r) == 0.0 {
             return Some(r);
         }
-        match self.solver.factor_weighted(0.0, self.metric, 1.0, self.potential, x) {
-            Ok(Rung::Cholesky) => self.solver.solve(&mut r),
-            Ok(_) => r = self.iterated(x, r)?,
-            Err(_) => return None,
+        match rung {
+            Rung::Cholesky => self.solver.solve(&mut r),
+            _ => r = self.iterated(x, r)?,
         }
         r.iter().all(|d| d.is_finite()).then_some(r)
     }
 
     /// The same by conjugate gradients.
     fn iterated(&mut self, x: &[f64], mut r: Vec<f64>) -> Option<Vec<f64>> {
-        self.factor_shifted(x)?;
         let n = r.len();
         let (mut d, mut z, mut product) = (vec![0.0; n], r.clone(), vec![0.0; n]);
         self.solver.solve(&mut z);
