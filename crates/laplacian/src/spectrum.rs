@@ -15,7 +15,8 @@ use stationary_modal::{Linearized, ModalError, Modes, RigidMotions};
 
 use crate::{Domain, LaplacianError};
 
-/// The lowest modes of a domain in a mass, the constant among them where nothing is held.
+/// The lowest modes of a domain in a mass, among them the constant of each connected piece of which
+/// nothing is held.
 ///
 /// # Errors
 /// Those of [`Linearized::lowest`].
@@ -27,7 +28,7 @@ pub fn lowest_modes<const K: usize>(
     let homogeneous = Homogeneous(domain);
     let rest = vec![0.0; domain.dim()];
     let mut linearized = Linearized::at(metric, &homogeneous, &rest, 0.0)?;
-    let constants = RigidMotions::of_points::<1>(&linearized, rest.as_chunks().0)?;
+    let constants = RigidMotions::of_motions(&linearized, &domain.constants(count))?;
     if count == 0 || count > domain.dim() {
         return Err(ModalError::Count { asked: count, there: domain.dim() }.into());
     }
