@@ -92,10 +92,12 @@ fn brought_to(power: i32, mut points: Vec<V>) -> Option<Vec<V>> {
 fn add(points: &[V], triangles: &mut Vec<[usize; 3]>, p: usize, on: f64) -> bool {
     let off = |[a, b, c]: &[usize; 3]| {
         let [u, v, w] = [b, c, &p].map(|&k| points[k] - points[*a]);
-        (volume(&u, &v, &w), u.cross(&v).norm())
+        (volume(&u, &v, &w), u.cross(&v).norm_squared())
     };
     let offs: Vec<(f64, f64)> = triangles.iter().map(off).collect();
-    if !offs.iter().any(|(volume, area)| *volume > on * area) {
+    let is_out =
+        |&(volume, square): &(f64, f64)| volume > 0.0 && volume * volume > on * on * square;
+    if !offs.iter().any(is_out) {
         return false;
     }
     let sides = |[a, b, c]: [usize; 3]| [[a, b], [b, c], [c, a]];
@@ -111,7 +113,8 @@ fn add(points: &[V], triangles: &mut Vec<[usize; 3]>, p: usize, on: f64) -> bool
 /// The volume that three vectors of whole numbers span; its sign is exact.
 fn volume(u: &V, v: &V, w: &V) -> f64 {
     let volume = u.cross(v).dot(w);
-    if volume.abs() > UNSURE * u.norm() * v.norm() * w.norm() {
+    let edges = u.norm_squared() * v.norm_squared() * w.norm_squared();
+    if volume * volume > UNSURE * UNSURE * edges {
         return volume;
     }
     let [u, v, w] = [u, v, w].map(|x| [x.x, x.y, x.z].map(|x| x as i128));
