@@ -13,7 +13,8 @@
 //! motion is. What the solve and the modes may be off is added to each tail: the tails are small
 //! differences, and rounding must not make them less than they are. It holds for undamped motion from rest;
 //! a load that is put on in several steps has the sum of theirs. The phases of the modes are taken as they
-//! are: after a time of `w_i/d_i` and more they are no longer those of the body. Source: notes 14.3, which leave N to the reader; Cauchy's inequality.
+//! are: after a time of `w_i/d_i` and more they are no longer those of the body. Source: notes 14.3, which
+//! leave N to the reader; Cauchy's inequality.
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError};
 
@@ -127,7 +128,7 @@ impl Sum {
     /// A covector on a solution.
     fn of(covector: &[f64], solution: &Refined) -> Self {
         let value = dense::dot(covector, &solution.x);
-        let off = dense::dot(covector, &solution.off).abs();
+        let off = sum_of_sizes(covector, &solution.off);
         Sum { value, off: off + ROUNDING * sum_of_sizes(covector, &solution.x) }
     }
 

@@ -9,12 +9,12 @@
 //! `x_i` the vertices at the equilibrium, D coordinates each, `H` the Hessian, `M` the mass. At an
 //! equilibrium of a potential that rotations leave alone they are in the kernel of H, whether the body
 //! is under stress or not: 1 on a line, 3 in the plane, 6 in space, fewer where all vertices are on one
-//! line, where pins or single held components stop them, or where a load breaks the symmetry. So they are not counted on but
-//! found: candidates that are no motion, or that cost energy, are left out. What an energy may be off
-//! zero is the rounding of the terms that it is the sum of, not a share of the largest lambda: a body on
-//! soft springs moves as a whole, but not for free. Forces `dV` that are left at the equilibrium turn with
-//! the body, which costs what they do along the turn. To first order only: points in a row of which some are
-//! held may all move sideways, and that passes for a rigid motion.
+//! line, where pins or single held components stop them, or where a load breaks the symmetry. So they are
+//! not counted on but found: candidates that are no motion, or that cost energy, are left out. What an
+//! energy may be off zero is the rounding of the terms that it is the sum of, not a share of the largest
+//! lambda: a body on soft springs moves as a whole, but not for free. Forces `dV` that are left at the
+//! equilibrium turn with the body, which costs what they do along the turn. To first order only: points in
+//! a row of which some are held may all move sideways, and that passes for a rigid motion.
 //! Source: notes 14.1, whose remark on rotations is wrong: errata 14.1.
 
 use nalgebra::DMatrix;
