@@ -199,6 +199,17 @@ impl<const K: usize> Domain<K> {
         (0..roots.len()).map(|vertex| root(&mut roots, vertex)).collect()
     }
 
+    /// The functions of the freedoms that are one on a piece of which nothing is held and zero elsewhere,
+    /// one after the other; `most` of them at most.
+    pub(crate) fn constants(&self, most: usize) -> Vec<f64> {
+        let pieces = self.pieces();
+        let mut is_free: Vec<bool> = pieces.iter().enumerate().map(|(v, &p)| v == p).collect();
+        (0..pieces.len()).filter(|&v| self.is_held(v)).for_each(|v| is_free[pieces[v]] = false);
+        let roots = (0..pieces.len()).filter(|&root| is_free[root]).take(most);
+        let one = |root: usize, v: usize| if pieces[v] == root { 1.0 } else { 0.0 };
+        roots.flat_map(|root| self.free_vertices().iter().map(move |&v| one(root, v))).collect()
+    }
+
     pub(crate) fn is_held(&self, vertex: usize) -> bool {
         self.places[vertex] >= self.dim()
     }

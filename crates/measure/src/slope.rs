@@ -16,6 +16,10 @@ pub fn loglog_slope(points: &[(f64, f64)]) -> Option<f64> {
         return None;
     }
     let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
+    // Equal ones differ from their mean by its rounding.
+    if logs.iter().all(|p| p.0 == logs[0].0) {
+        return None;
+    }
     let n = logs.len() as f64;
     let mean = |part: fn(&(f64, f64)) -> f64| logs.iter().map(part).sum::<f64>() / n;
     let (x_mean, y_mean) = (mean(|p| p.0), mean(|p| p.1));
@@ -24,9 +28,9 @@ pub fn loglog_slope(points: &[(f64, f64)]) -> Option<f64> {
     (variance > 0.0).then(|| covariance / variance)
 }
 
-/// The longest run of neighbours that obey one power law with a positive exponent: from one pair to
-/// the next the slope stays within 0.25. The points come in the order of their x; without three in
-/// a row there is no such run, and the slice is empty.
+/// The longest run of neighbours that obey one power law with an exponent above 0.25: the slopes of all of
+/// its pairs lie within 0.25 of one another. The points come in the order of their x; without three in a
+/// row there is no such run, and the slice is empty.
 pub fn truncation_regime(points: &[(f64, f64)]) -> &[(f64, f64)] {
     let slopes: Vec<f64> =
         points.windows(2).map(|pair| loglog_slope(pair).unwrap_or(f64::NAN)).collect();
@@ -72,6 +76,17 @@ mod tests {
     }
 
     #[test]
+    fn one_law_has_one_exponent_above_a_quarter_over_the_whole_run() {
+        let slow: Vec<_> = (0..10).map(|k| 2_f64.powi(-k)).map(|x: f64| (x, x.powf(0.2))).collect();
+        assert!(truncation_regime(&slow).is_empty());
+        // Slopes 1, 1.2, 1.4 and so on: each is near the next, two of them are all of one law.
+        let steps =
+            (0..7).map(|k| (2_f64.powi(k), 2_f64.powf(f64::from(k) * (0.9 + 0.1 * f64::from(k)))));
+        let bent: Vec<_> = steps.collect();
+        assert_eq!(truncation_regime(&bent).len(), 3);
+    }
+
+    #[test]
     fn the_slope_of_a_power_law_is_its_exponent() {
         let points: Vec<_> =
             (1..6).map(|i| (f64::from(i), 7.0 * f64::from(i).powf(-2.5))).collect();
@@ -82,6 +97,10 @@ mod tests {
     fn what_has_no_slope_has_none() {
         assert_eq!(loglog_slope(&[(1.0, 1.0)]), None);
         assert_eq!(loglog_slope(&[(2.0, 1.0), (2.0, 3.0)]), None);
+        for x in (1..200).map(|k| 0.1 * f64::from(k)) {
+            let above: Vec<(f64, f64)> = (1..19).map(|k| (x, f64::from(k))).collect();
+            assert!((2..18).all(|n| loglog_slope(&above[..n]).is_none()), "{x}");
+        }
         assert_eq!(loglog_slope(&[(1.0, 1.0), (2.0, 0.0)]), None);
         assert_eq!(loglog_slope(&[(1.0, f64::NAN), (2.0, 1.0)]), None);
     }

@@ -98,7 +98,8 @@ impl Column {
                 format!("<{floor:e}")
             }
             (Cell::Number(x), Precision::Rounded { digits, .. }) => {
-                format!("{x:.*e}", digits.max(1) - 1)
+                // More digits than text can be asked for are more than a number has.
+                format!("{x:.*e}", (digits.max(1) - 1).min(usize::from(u16::MAX) - 1))
             }
             (Cell::Number(x), _) => format!("{x}"),
         }
@@ -150,16 +151,33 @@ impl fmt::Display for Table {
             .collect();
         for line in &lines {
             let padded: Vec<String> =
-                line.iter().zip(&widths).map(|(text, &w)| format!("{text:w$}")).collect();
+                line.iter().zip(&widths).map(|(text, &w)| padded_to(w, text)).collect();
             writeln!(f, "{}", padded.join("  ").trim_end())?;
         }
         Ok(())
     }
 }
 
+/// The text and spaces up to a width, which may be more than a format can be asked for.
+fn padded_to(width: usize, text: &str) -> String {
+    text.to_owned() + &" ".repeat(width.saturating_sub(text.chars().count()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_of_any_length_and_numbers_of_any_number_of_digits_have_a_text() {
+        let long = "x".repeat(70_000);
+        let mut table = Table::new([Column::exact("word"), Column::rounded("error", 70_000, 0.0)]);
+        table.push([long.as_str().into(), 1.5.into()]);
+        table.push(["short".into(), "none".into()]);
+        let text = table.to_string();
+        let [head, wide, narrow] = text.lines().collect::<Vec<_>>()[..] else { panic!() };
+        assert!(wide.starts_with(&format!("{long}  1.5000")) && wide.ends_with("000e0"));
+        assert!(head.find("error") == Some(70_002) && narrow.find("none") == Some(70_002));
+    }
 
     #[test]
     fn text_holds_only_what_another_processor_reproduces() {

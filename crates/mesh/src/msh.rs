@@ -117,6 +117,12 @@ pub enum MshError {
         /// The section.
         section: &'static str,
     },
+    /// The nodes are in a section that is not read.
+    #[error("line {line}: section $ParametricNodes is not read, only nodes in $Nodes are")]
+    ParametricNodes {
+        /// Which line, from 1.
+        line: usize,
+    },
     /// A section is not there.
     #[error("there is no section {section}")]
     Missing {

@@ -40,15 +40,16 @@ impl Quality {
     /// This measure for a triangle (`K` = 3) or a tetrahedron (`K` = 4).
     pub fn of<const D: usize, const K: usize>(self, corners: &[SVector<f64, D>; K]) -> f64 {
         const { assert!(K == 3 || K == 4, "quality is for triangles and tetrahedra") };
-        let size = measure(corners);
         let seen: [Vector3<f64>; K] = corners.map(|corner| in_space(&(corner - corners[0])));
+        let reach = seen.iter().map(|corner| corner.amax()).fold(0.0, f64::max);
+        if reach > 0.0 && reach.is_finite() && !(TINY..HUGE).contains(&reach) {
+            return self.of(&corners.map(|corner| (corner - corners[0]) / reach));
+        }
+        let size = measure(corners);
         let (edges, content) = (edge_lengths(&seen), size.abs());
         let longest = edges.iter().copied().fold(0.0, f64::max);
         if content == 0.0 && !matches!(self, Quality::SmallestAngle | Quality::LargestAngle) {
             return if self == Quality::AspectRatio { f64::INFINITY } else { 0.0 };
-        }
-        if (f64::MIN_POSITIVE..TINY).contains(&longest) {
-            return self.of(&corners.map(|corner| (corner - corners[0]) / longest));
         }
         match (self, K) {
             (Quality::MeanRatio, 3) => 4.0 * 3.0_f64.sqrt() * size / squares(&edges),
@@ -74,8 +75,9 @@ impl Quality {
     }
 }
 
-/// Edges shorter than this have volumes and products that leave the range of numbers.
-const TINY: f64 = 1e-50;
+/// Simplices that are smaller or larger have volumes and products that leave the range of numbers.
+const TINY: f64 = 1e-36;
+const HUGE: f64 = 1e36;
 
 impl<const D: usize, const K: usize> Mesh<D, K> {
     /// This measure for every simplex.
@@ -214,6 +216,20 @@ mod tests {
             (Quality::MeanRatio.of(&[b, a, c, d]) + Quality::MeanRatio.of(&regular())).abs()
                 < 1e-15
         );
+    }
+
+    #[test]
+    fn simplices_from_the_least_to_the_largest_numbers_have_the_shape_of_the_unit_one() {
+        let corner = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+        let triangle = [corner[0], corner[1], corner[3]];
+        for quality in ALL {
+            for size in [1e-300, 1e-120, 1e-40, 1e40, 1e120, 1e300] {
+                let off = quality.of(&corner.map(|x| x * size)) - quality.of(&corner);
+                assert!(off.abs() < 1e-14, "{quality:?} {size:e} {off:e}");
+                let off = quality.of(&triangle.map(|x| x * size)) - quality.of(&triangle);
+                assert!(off.abs() < 1e-14, "{quality:?} {size:e} {off:e}");
+            }
+        }
     }
 
     proptest! {

@@ -57,6 +57,19 @@ pub(crate) fn times(matrix: &SymmetricMatrix, x: &[f64]) -> Vec<f64> {
     y
 }
 
+/// `|x|^T |A| |x|`: the terms of `x^T A x` without their signs.
+pub(crate) fn sum_of_sizes(matrix: &SymmetricMatrix, x: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (j, ends) in matrix.column_starts().windows(2).enumerate() {
+        for k in ends[0] as usize..ends[1] as usize {
+            let i = matrix.rows()[k] as usize;
+            let entry = (matrix.values()[k] * x[i] * x[j]).abs();
+            sum += if i == j { entry } else { 2.0 * entry };
+        }
+    }
+    sum
+}
+
 /// Eigenvalues, ascending, and orthonormal eigenvectors of a small symmetric matrix.
 pub(crate) struct Pairs {
     pub(crate) eigenvalues: DVector<f64>,
@@ -160,6 +173,27 @@ impl Basis {
         self.moved.extend(moved.iter().map(|x| x / length));
     }
 
+    /// Appends what a column has beside these vectors, made of length 1, where that is more than this
+    /// share of it; the column's parts along them, and the length of what was left.
+    pub(crate) fn push_independent(
+        &mut self,
+        mass: &SymmetricMatrix,
+        column: &[f64],
+        independent: f64,
+    ) -> (Vec<f64>, Option<f64>) {
+        let mut x = column.to_vec();
+        let shares = self.project_out(0, &mut x);
+        let moved = times(mass, &x);
+        let after = length(&x, &moved);
+        // The column's own length, of which the shares and the rest are orthogonal parts.
+        let before = dot(&shares, &shares).sqrt().hypot(after);
+        let is_independent = after > independent * before;
+        if is_independent {
+            self.push(&x, &moved, after);
+        }
+        (shares, is_independent.then_some(after))
+    }
+
     /// Combinations of the vectors: one for each column of `weights`.
     pub(crate) fn combined(&self, weights: &[f64]) -> Self {
         let mut vectors = vec![0.0; self.n * (weights.len() / self.len().max(1))];
@@ -202,15 +236,7 @@ pub(crate) fn orthonormal(mass: &SymmetricMatrix, columns: &[f64], independent: 
     let n = mass.dim();
     let mut basis = Basis::with_room(n, columns.len().checked_div(n).unwrap_or(0));
     for column in columns.chunks_exact(n.max(1)) {
-        let mut x = column.to_vec();
-        let shares = basis.project_out(0, &mut x);
-        let moved = times(mass, &x);
-        let after = length(&x, &moved);
-        // The column's own length, of which the shares and the rest are orthogonal parts.
-        let before = dot(&shares, &shares).sqrt().hypot(after);
-        if after > independent * before {
-            basis.push(&x, &moved, after);
-        }
+        basis.push_independent(mass, column, independent);
     }
     basis.vectors
 }

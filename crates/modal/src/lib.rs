@@ -40,6 +40,7 @@ mod small;
 mod modes;
 mod motion;
 mod reduced;
+mod refined;
 mod answer;
 mod subspace;
 pub mod problems;

@@ -138,6 +138,11 @@ impl<'a, M: Metric, P: Potential> Linearized<'a, M, P> {
         (&mut self.cholesky, &self.mass)
     }
 
+    /// The stiffness, and the factor made last.
+    pub(crate) fn stiffness_and_factor(&mut self) -> (&SymmetricMatrix, &mut SparseCholesky) {
+        (&self.stiffness, &mut self.cholesky)
+    }
+
     /// How many eigenvalues are smaller than `mu`, certified by an inertia that was checked.
     ///
     /// # Errors

@@ -236,8 +236,8 @@ impl<M: Metric, P: Potential> Linearized<'_, M, P> {
     }
 
     /// The sizes of `H v - lambda M v`, measured by `M^-1`.
-    fn residuals(&self, values: &[f64], columns: &[f64]) -> Vec<f64> {
-        let n = self.dim();
+    pub(crate) fn residuals(&self, values: &[f64], columns: &[f64]) -> Vec<f64> {
+        let n = self.dim().max(1);
         let mut r = dense::times(self.stiffness(), columns);
         let moved = dense::times(self.mass(), columns);
         let each = r.chunks_exact_mut(n).zip(moved.chunks_exact(n)).zip(values);
@@ -395,7 +395,7 @@ impl Modes {
         self.solves
     }
 
-    /// The same modes after the rigid motions, as modes of lambda zero.
+    /// The same modes after the rigid motions, as modes of lambda zero, with the residuals that zero has.
     ///
     /// # Errors
     /// [`ModalError::OtherMotions`] where the modes were found beside other motions than these, or have
@@ -406,9 +406,8 @@ impl Modes {
         }
         self.rigid = RigidMotions::none();
         let first_elastic = self.values.partition_point(|&lambda| lambda < 0.0);
-        let zeros = vec![0.0; rigid.len()];
-        self.values.splice(first_elastic..first_elastic, zeros.iter().copied());
-        self.residuals.splice(first_elastic..first_elastic, zeros);
+        self.values.splice(first_elastic..first_elastic, vec![0.0; rigid.len()]);
+        self.residuals.splice(first_elastic..first_elastic, rigid.residuals.iter().copied());
         let place = first_elastic * self.n;
         self.columns.splice(place..place, rigid.columns.iter().copied());
         Ok(self)

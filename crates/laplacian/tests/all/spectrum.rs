@@ -1,12 +1,15 @@
 //! Eigenvalues against closed forms, on the line, the square, the disc and the sphere.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector2};
 use stationary_calculus::{DenseSink, Metric, Potential};
 use stationary_laplacian::problems::{
     Spectral, disc, interval, lumped_interval_spectrum, sphere, square,
 };
-use stationary_laplacian::{LaplacianError, largest_eigenvalue, lowest_modes};
+use stationary_laplacian::{
+    Domain, Elements, ExactHeat, LaplacianError, largest_eigenvalue, lowest_modes,
+};
 use stationary_measure::loglog_slope;
+use stationary_mesh::{Diagonals, bar, rectangle};
 use stationary_modal::ModalError;
 
 #[test]
@@ -89,5 +92,41 @@ fn modes_carry_half_their_eigenvalue_of_energy_and_more_than_there_are_is_an_err
     for count in [0, 50] {
         let error = lowest_modes(&problem.domain, &metric, count).unwrap_err();
         assert!(matches!(error, LaplacianError::Modal(ModalError::Count { .. })));
+    }
+}
+
+#[test]
+fn where_vertices_are_held_no_constant_is_free_however_thin_the_cells_are() {
+    for (thinnest, lowest) in [(1e-2, 2.4706), (1e-5, 2.470601), (1e-6, 2.4706)] {
+        let layers = |y: f64| if y == 0.0 { 0.0 } else { f64::powf(thinnest, 1.0 - y) };
+        let mesh = rectangle([1.0, 1.0], [12, 12], Diagonals::Same).unwrap();
+        let mesh = mesh.mapped(|x| Vector2::new(x.x, layers(x.y))).unwrap();
+        let left = mesh.vertices().iter().enumerate().filter(|(_, x)| x.x == 0.0);
+        let held: Vec<(usize, f64)> = left.map(|(v, _)| (v, 0.0)).collect();
+        let domain = Domain::held(Elements::of(&mesh).unwrap(), &held).unwrap();
+        let metric = domain.galerkin().unwrap();
+        let modes = lowest_modes(&domain, &metric, 2).unwrap();
+        assert!((modes.values()[0] - lowest).abs() < 3e-4, "{thinnest}: {:?}", modes.values());
+        // What was one all over has flowed out through the held side.
+        let heat = ExactHeat::new(&modes, &metric, 1.0, &vec![1.0; domain.dim()]).unwrap();
+        let late = heat.at(5.0).unwrap().into_iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+        assert!(late < 2.0 * (-lowest * 5.0_f64).exp(), "{thinnest}: {late}");
+    }
+}
+
+#[test]
+fn of_several_pieces_those_of_which_nothing_is_held_have_their_constants() {
+    let one = bar(1.0, 6).unwrap();
+    let [two, three] = [3.0, 6.0].map(|x| one.mapped(|y| y.add_scalar(x)).unwrap());
+    let three = one.beside(&two).beside(&three);
+    for (held, constants) in
+        [(vec![], 3), (vec![(8, 1.0)], 2), (vec![(0, 0.0), (7, 0.0), (20, 0.0)], 0)]
+    {
+        let domain = Domain::held(Elements::of(&three).unwrap(), &held).unwrap();
+        let metric = domain.lumped().unwrap();
+        let modes = lowest_modes(&domain, &metric, 4).unwrap();
+        let zeros = modes.values().iter().take_while(|lambda| **lambda == 0.0).count();
+        assert_eq!(zeros, constants);
+        assert!(modes.values()[constants] > 1.0, "{:?}", modes.values());
     }
 }

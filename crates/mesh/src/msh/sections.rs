@@ -22,7 +22,7 @@ type Numbers = HashMap<u64, usize>;
 
 pub(super) fn parse(mut lines: Lines<impl BufRead>) -> Result<Msh, MshError> {
     let (mut version, mut numbers, mut msh) = (None, None, Msh::default());
-    let mut finished = false;
+    let (mut finished, mut parametric) = (false, None);
     while let Some(words) = lines.next()? {
         let line = words.number;
         let out_of_place = |section: &'static str| MshError::OutOfPlace { line, section };
@@ -37,8 +37,16 @@ pub(super) fn parse(mut lines: Lines<impl BufRead>) -> Result<Msh, MshError> {
                 elements(version, &mut lines, numbers, &mut msh)?;
                 finished = true;
             }
-            ("$Elements", ..) => return Err(out_of_place("$Elements")),
-            _ => pass_over(&mut lines)?,
+            ("$Elements", ..) => {
+                return Err(match parametric.filter(|_| numbers.is_none()) {
+                    Some(line) => MshError::ParametricNodes { line },
+                    None => out_of_place("$Elements"),
+                });
+            }
+            (section, ..) => {
+                parametric = parametric.or((section == "$ParametricNodes").then_some(line));
+                pass_over(&mut lines)?;
+            }
         }
     }
     let sections = [

@@ -207,6 +207,10 @@ fn what_is_no_mesh_is_refused_by_line() {
     assert_eq!(refused("$Nodes\n"), "line 1: section $Nodes is out of place");
     let twice = format("4.1") + &format("4.1");
     assert_eq!(refused(&twice), "line 4: section $MeshFormat is out of place");
+    let nodes = "$ParametricNodes\n1\n1 0 0 0 0 1\n$EndParametricNodes\n";
+    let parametric = format("2.2") + nodes + "$Elements\n0\n$EndElements\n";
+    let error = "line 4: section $ParametricNodes is not read, only nodes in $Nodes are";
+    assert_eq!(refused(&parametric), error);
     let missing = read_msh("no/such/file.msh").unwrap_err();
     assert!(missing.to_string().starts_with("no/such/file.msh: "), "{missing}");
 }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use stationary_calculus::{
-    Covector, DiagonalMetric, Potential, Sink, SparseError, SymmetricMatrix, Vector,
+    Covector, DiagonalMetric, FIXED, Potential, Sink, SparseError, SymmetricMatrix, Vector,
 };
 use stationary_elasticity::{Net, Spring, Strain, net};
 use stationary_modal::problems::{SpringProblem, fixed_chain, free_chain, membrane};
@@ -313,6 +313,98 @@ fn a_far_reaching_load_needs_few_modes_and_a_point_load_many() {
     let (few, many) = (least(&wide, 1e-3).unwrap(), least(&observable, 1e-2).unwrap());
     assert!(few <= 9 && many >= 30, "{few} {many}");
     assert_eq!(least(&observable, 1e-6), None);
+}
+
+/// Masses in a row, each held to the one before it and the last and the first to walls, by springs of so
+/// many N/m.
+struct Row(Vec<f64>);
+
+impl Potential for Row {
+    fn dim(&self) -> usize {
+        self.0.len() - 1
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        let mut dv = Covector(vec![0.0; q.len()]);
+        self.add_differential(q, dv.view_mut());
+        0.5 * dv.apply(&Vector(q))
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        let at = |i: usize| if i == 0 || i > q.len() { 0.0 } else { q[i - 1] };
+        for (i, k) in self.0.iter().enumerate() {
+            let force = k * (at(i + 1) - at(i));
+            if i > 0 {
+                dv.0[i - 1] -= force;
+            }
+            if i < q.len() {
+                dv.0[i] += force;
+            }
+        }
+    }
+
+    fn add_hessian(&self, _: &[f64], hessian: &mut impl Sink) {
+        let freedom = |i: usize| if i == 0 || i == self.0.len() { FIXED } else { i - 1 };
+        for (i, &k) in self.0.iter().enumerate() {
+            hessian.add_symmetric(&[freedom(i), freedom(i + 1)], &[k, -k, -k, k]);
+        }
+    }
+}
+
+#[test]
+fn the_bound_is_not_below_the_error_that_rounding_leaves() {
+    for k in [1.0, 1e4, 1e8, 1e10] {
+        let metric = DiagonalMetric::new(vec![1.0, 3.0]).unwrap();
+        let row = Row(vec![1.0, k, 0.0]);
+        let mut system = Linearized::at(&metric, &row, &[0.0; 2], 0.0).unwrap();
+        let modes = system.lowest(2, &RigidMotions::none()).unwrap();
+        let end = Covector(&[0.0, 1.0][..]);
+        let answer = system.answer(&modes, end, end).unwrap();
+        assert!((answer.whole - (1.0 + 1.0 / k)).abs() < 1e-15, "{k}: {}", answer.whole);
+        assert!(answer.whole_off < 1e-14, "{k}: {}", answer.whole_off);
+        for (error, bound) in answer.errors.iter().zip(&answer.bounds) {
+            assert!(error <= bound && *bound <= 2.0 + 1e-13, "{k}: {answer:?}");
+        }
+        assert!(answer.bounds[2] < 1e-14 * k.max(10.0), "{k}: {answer:?}");
+        // With one mode, or both, no more can be promised than lambda has digits.
+        assert_eq!(answer.least_modes_in_motion(1e-9).is_some(), k < 1e5);
+        // What the second mode adds is 1/16 k of the answer, for stiff springs.
+        assert!(k < 1e4 || answer.bounds[1] > 1.2e-1 / k, "{k}: {answer:?}");
+    }
+}
+
+#[test]
+fn the_bound_holds_for_rows_of_springs_of_very_different_strengths() {
+    let mut random = stationary_measure::SplitMix64::new(3);
+    let n = 60;
+    for spread in [0.0, 3.0, 6.0] {
+        for _ in 0..4 {
+            let mut springs = vec![1.0];
+            springs.extend((0..n).map(|_| 10_f64.powf(spread * random.symmetric())));
+            let mass = (0..n).map(|_| 10_f64.powf(0.5 * random.symmetric())).collect();
+            let metric = DiagonalMetric::<Vec<f64>>::new(mass).unwrap();
+            let row = Row(springs);
+            let mut system = Linearized::at(&metric, &row, &vec![0.0; n], 1e-9).unwrap();
+            let modes = system.lowest(n, &RigidMotions::none()).unwrap();
+            let mut drawn = || Covector((0..n).map(|_| random.symmetric()).collect::<Vec<f64>>());
+            let (load, observable) = (drawn(), drawn());
+            let answer = system.answer(&modes, load.view(), observable.view()).unwrap();
+            let at = |i: usize, c: &Covector<Vec<f64>>| c.apply(&modes.vector(i).unwrap());
+            for step in 0..100 {
+                let t = 0.37 * f64::from(step);
+                let mut left = 0.0;
+                for (i, lambda) in modes.values().iter().enumerate().rev() {
+                    let turned = 1.0 - (lambda.sqrt() * t).cos();
+                    left += at(i, &load) * at(i, &observable) * turned / lambda;
+                    assert!((left / answer.whole).abs() <= answer.bounds[i], "{spread} {i} {t}");
+                }
+            }
+            for (error, bound) in answer.errors.iter().zip(&answer.bounds).skip(1) {
+                assert!(error <= bound, "{spread}: {error:e} {bound:e}");
+            }
+            assert!(answer.bounds[n] < 1e-10 * 10_f64.powf(1.5 * spread), "{:e}", answer.bounds[n]);
+        }
+    }
 }
 
 #[test]

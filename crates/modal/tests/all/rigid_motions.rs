@@ -3,7 +3,10 @@
 use stationary_calculus::{
     Covector, DiagonalMetric, FIXED, Metric, Potential, Sink, SparseError, Stencils, Vector,
 };
-use stationary_elasticity::{Spring, Strain};
+use stationary_elasticity::{
+    Freedoms, Lame, Linear, LinearTetrahedron, Solid, Spring, Strain, lumped_mass,
+};
+use stationary_mesh::cuboid;
 use stationary_modal::problems::fixed_chain;
 use stationary_modal::{Linearized, ModalError, RigidMotions};
 
@@ -205,6 +208,58 @@ impl Potential for Triangle {
             let block: Vec<f64> = by.iter().flat_map(|x| by.iter().map(move |y| x * y)).collect();
             hessian.add_symmetric(&freedoms, &block);
         }
+    }
+}
+
+/// A body on springs from each of its freedoms to the ground, which are at rest where it is.
+struct Grounded<B> {
+    body: B,
+    stiffness: f64,
+}
+
+impl<B: Potential> Potential for Grounded<B> {
+    fn dim(&self) -> usize {
+        self.body.dim()
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        self.body.energy(q)
+    }
+
+    fn add_differential(&self, q: &[f64], dv: Covector<&mut [f64]>) {
+        self.body.add_differential(q, dv);
+    }
+
+    fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
+        self.body.add_hessian(q, hessian);
+        (0..q.len()).for_each(|i| hessian.add_symmetric(&[i], &[self.stiffness]));
+    }
+}
+
+#[test]
+fn a_steel_block_on_soft_springs_moves_as_a_whole_but_not_for_free() {
+    let mesh = cuboid([0.1, 0.1, 0.02], [5, 5, 2]).unwrap();
+    let nodes: Vec<[f64; 3]> = mesh.vertices().iter().map(|x| [x.x, x.y, x.z]).collect();
+    let free = Freedoms::<3>::free(nodes.len()).unwrap();
+    let steel = Linear::new(Lame::<3>::from_young_poisson(2e11, 0.3).unwrap());
+    let mass = lumped_mass(LinearTetrahedron, &mesh, [7800.0, 1.0], &free).unwrap();
+    let q = free.gathered(&nodes).unwrap();
+    for all in [0.0, 1e2, 1e4] {
+        let body = Solid::new(LinearTetrahedron, &mesh, 1.0, steel, free.clone()).unwrap();
+        let block = Grounded { body, stiffness: all / nodes.len() as f64 };
+        let mut near_rest = Linearized::at(&mass, &block, &q, 1e-3).unwrap();
+        let rigid = RigidMotions::of_points(&near_rest, &nodes).unwrap();
+        assert_eq!(rigid.len(), if all == 0.0 { 6 } else { 0 });
+        let modes = near_rest.lowest(1, &rigid).unwrap().with_rigid(&rigid).unwrap();
+        if all == 0.0 {
+            let rounding = 1e-13 * near_rest.scale();
+            let is_shown = |residual: &f64| *residual > 0.0 && *residual < rounding;
+            assert!(modes.residuals()[..6].iter().all(is_shown), "{:?}", modes.residuals());
+        }
+        // The springs are as strong at light vertices as at heavy ones: translations tilt the block a little.
+        let whole = all / (7800.0 * 0.1 * 0.1 * 0.02);
+        let off = (modes.values()[0] - whole).abs();
+        assert!(off <= 1e-3 * whole + modes.residuals()[0], "{all}: {:?}", modes.values());
     }
 }
 
