@@ -111,6 +111,8 @@ const FALLEN: f64 = 1e-8;
 const NEARLY_OF_GUESS: f64 = 1e-12;
 /// A residual that stays the same over this many such steps is rounding as well.
 const STANDSTILL: usize = 3;
+/// And one that changes by less than this part, where an unknown's steps are not small beside itself.
+const SLOW: f64 = 1e-2;
 
 impl Newton {
     /// Solves f(x) = 0 from the guess in `x`, where the solution is left. On failure `x` holds the
@@ -188,10 +190,10 @@ impl Newton {
             report.iterations += 1;
             let longest = largest(iterate.step.as_ref());
             let small = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
-            let nearly =
-                small && (size <= FALLEN * first || each_within(NEARLY, iterate.step.as_ref(), x));
-            let rounds =
-                longest <= ROUNDING * largest(x) && each_within(ROUNDING, iterate.step.as_ref(), x);
+            let alone =
+                |part| size <= FALLEN * first || each_within(part, iterate.step.as_ref(), x);
+            let nearly = small && alone(NEARLY);
+            let rounds = longest <= ROUNDING * largest(x) && alone(ROUNDING);
             let start = Start { x, size, nearly };
             let found = search(equation, start, iterate, &mut report);
             match found {
@@ -204,7 +206,7 @@ impl Newton {
                 None if small => {}
                 None => return Err(NewtonFailure::Stalled),
             }
-            let stands = nearly && stands_still(history);
+            let stands = small && stands_still(history, if nearly { 0.0 } else { SLOW });
             let rounding = found.is_none() || stands || rounds;
             if rounding && size > self.tolerance {
                 // A residual larger than at the guess is no rounding, but the end of a fall.
@@ -220,11 +222,12 @@ impl Newton {
     }
 }
 
-/// Whether the last residuals are all of one size: around a solution at zero no step is small
-/// relative to it.
-fn stands_still(history: &[f64]) -> bool {
+/// Whether the last residuals are all of one size, but for this part: around a solution at zero no step is
+/// small relative to it.
+fn stands_still(history: &[f64], part: f64) -> bool {
     let last = history.len().saturating_sub(STANDSTILL + 1);
-    history.len() > STANDSTILL && history[last..].windows(2).all(|pair| pair[0] == pair[1])
+    let same = |pair: &[f64]| (pair[0] - pair[1]).abs() <= part * pair[0];
+    history.len() > STANDSTILL && history[last..].windows(2).all(same)
 }
 
 /// Whether each step is at most this part of its own unknown.

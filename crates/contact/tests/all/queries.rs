@@ -114,8 +114,8 @@ fn round_solids_are_met_from_far_away_as_from_near() {
             }
             let hit = detector.cast_ray(&[], aim - d * far, d, 2.0 * far).unwrap().unwrap();
             let off = outside(&(aim + d * (hit.distance - far)));
-            // To the rounding of where the ray starts.
-            assert!(off.abs() < 1e-13 * far, "{far}: {off}");
+            // To the rounding of where the ray starts, at an edge or a rim along the way there.
+            assert!(off.abs() < 1e-11 * far, "{far}: {off}");
         }
     }
 }

@@ -260,7 +260,7 @@ fn trial(draw: &mut Draw) -> Verdict {
     }
     let largest = scaled[0].norm();
     // Heavy bodies on a light one: their sum rounds its share of the mass matrix away.
-    let rounded = 1e-9 + 10.0 * f64::EPSILON * condition(&mass);
+    let rounded = 1e-9 + 30.0 * f64::EPSILON * condition(&mass);
     let off = sorted(&found.stiffness).iter().zip(&truth).fold(0.0_f64, |off, (a, b)| {
         off.max((a - b).abs() / (rounded * b.abs() + 1e-11 * largest + lost))
     });
