@@ -59,13 +59,19 @@ pub(crate) fn on_round(
     let [mut own, mut place] = [Placed::default(), Placed::default()];
     solid.place(&Pose::IDENTITY, &mut own);
     let point = Solid::ball(0.0);
+    // From beside the solid on, where places have the digits that a normal needs.
+    let ahead = (-start.dot(direction) - 2.0 * solid.size).max(0.0);
+    let near = start + direction * ahead;
     let mut t = 0.0;
     for _ in 0..STEPS {
-        let at = start + direction * t;
+        if ahead + t > longest {
+            return None;
+        }
+        let at = near + direction * t;
         point.place(&Pose::from_translation(vector(&at)), &mut place);
         let Direction { gap, normal, .. } = separate([&own, &place], f64::INFINITY)?;
-        // Of a place far along the ray no more digits are known than of its distance.
-        if gap <= ROUNDING * (solid.size + at.norm() + t) {
+        if gap <= ROUNDING * (solid.size + at.norm()) {
+            let t = ahead + t;
             return Some((t, if t > 0.0 { normal } else { -direction }));
         }
         let closing = -normal.dot(direction);
@@ -73,9 +79,6 @@ pub(crate) fn on_round(
             return None;
         }
         t += gap / closing;
-        if t > longest {
-            return None;
-        }
     }
     None
 }

@@ -114,8 +114,8 @@ fn round_solids_are_met_from_far_away_as_from_near() {
             }
             let hit = detector.cast_ray(&[], aim - d * far, d, 2.0 * far).unwrap().unwrap();
             let off = outside(&(aim + d * (hit.distance - far)));
-            // To the rounding of where the ray starts, at an edge or a rim along the way there.
-            assert!(off.abs() < 1e-11 * far, "{far}: {off}");
+            // A start so far away is rounded itself, and a ray may graze.
+            assert!(off.abs() < 1e-10 * far, "{far}: {off}");
         }
     }
 }
