@@ -7,9 +7,10 @@
 //! ```
 //! `B = R J M^-1/2` of independent equations, rows of length 1, so that masses far apart cost no more
 //! digits than they must; `a` the rates of the velocities (world axes, and body axes), `lambda` the
-//! multipliers with the signs and units of the joints, `m w` angular momentum and velocity in body axes. Where equations are
-//! redundant, the multipliers are those of the smallest norm in reference scales and the accelerations
-//! the only ones. The second rate of a drive is a difference of its first, good to ten digits.
+//! multipliers with the signs and units of the joints, `m w` angular momentum and velocity in body axes.
+//! Where equations are redundant, the multipliers are those of the smallest norm in reference scales and
+//! the accelerations the only ones. The second rate of a drive is a difference of its first, good to ten
+//! digits.
 
 use nalgebra::{DVector, Vector3};
 use stationary_calculus::{
