@@ -100,7 +100,8 @@ impl<L: HessianSolver, P: Potential> Settle<'_, L, P> {
                 return Settled::Known;
             }
             // So written that NaN ends it.
-            if !(size < 0.5 * left) {
+            let halves = size < 0.5 * left;
+            if !halves {
                 return Settled::Off([size, displacement]);
             }
             left = size;

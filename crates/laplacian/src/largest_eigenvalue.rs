@@ -177,7 +177,7 @@ impl Tridiagonal {
 fn by_rows(mass: &Sizes, dirichlet: &impl Potential) -> f64 {
     let beside = |(sum, diagonal): (&f64, &f64)| 2.0 - sum / diagonal;
     let definite = mass.product.iter().zip(&mass.diagonal).map(beside).fold(1.0, f64::min);
-    if !(definite > 0.0) {
+    if definite <= 0.0 || definite.is_nan() {
         return f64::INFINITY;
     }
     let mut y = vec![1.0; mass.diagonal.len()];

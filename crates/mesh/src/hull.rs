@@ -57,7 +57,13 @@ pub fn convex_hull(points: &[V]) -> Option<Vec<[usize; 3]>> {
         off(t).total_cmp(&off(s)).then(s.cmp(&t))
     });
     // Again until no point is outside: a triangle that comes late may pass below one that was inside before.
-    while order.iter().fold(false, |grew, &p| add(&points, &mut triangles, p, ON * size) || grew) {}
+    let mut grew = true;
+    while grew {
+        grew = false;
+        for &p in &order {
+            grew |= add(&points, &mut triangles, p, ON * size);
+        }
+    }
     is_sphere(&triangles).then_some(triangles)
 }
 

@@ -29,7 +29,8 @@ pub(crate) fn solve(matrix: &SymmetricMatrix, factor: &mut SparseCholesky, b: &[
         let mut correction = residual(matrix, &x, b);
         factor.solve(&mut correction);
         let (size, before) = (dense::dot(&correction, &correction), dense::dot(&off, &off));
-        if !(size < before) {
+        let falls = size < before;
+        if !falls {
             break;
         }
         dense::add_scaled(&mut x, 1.0, &correction);
