@@ -104,11 +104,11 @@ const RESERVED: usize = 4096;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Steps of this size relative to x are so small that a residual which no longer falls is rounding.
 const NEARLY: f64 = 1e-9;
-/// A step that is small beside the largest unknown but not beside its own is so only where the residual
-/// has fallen to this part of the first: unknowns may differ in size, and in what they mean.
-const FALLEN: f64 = 1e-8;
 /// So are steps of this size relative to the guess, where the solution itself is close to zero.
 const NEARLY_OF_GUESS: f64 = 1e-12;
+/// Steps that are small beside the largest unknown, but not each beside its own, are so only where the residual
+/// has fallen to this part of the first: unknowns may differ in size, and in what they mean.
+const FALLEN: f64 = 1e-8;
 /// A residual that stays the same over this many such steps is rounding as well.
 const STANDSTILL: usize = 3;
 /// And one that changes by less than this part, where an unknown's steps are not small beside itself.
@@ -190,10 +190,10 @@ impl Newton {
             report.iterations += 1;
             let longest = largest(iterate.step.as_ref());
             let small = longest <= (NEARLY * largest(x)).max(NEARLY_OF_GUESS * guess);
-            let alone =
+            let is_of_each =
                 |part| size <= FALLEN * first || each_within(part, iterate.step.as_ref(), x);
-            let nearly = small && alone(NEARLY);
-            let rounds = longest <= ROUNDING * largest(x) && alone(ROUNDING);
+            let nearly = small && is_of_each(NEARLY);
+            let rounds = longest <= ROUNDING * largest(x) && is_of_each(ROUNDING);
             let start = Start { x, size, nearly };
             let found = search(equation, start, iterate, &mut report);
             match found {
