@@ -22,10 +22,6 @@ fn main() -> ExitCode {
         each_crate_has_a_conclusion_that_its_studies_show();
         Ok(())
     }));
-    trials.push(Trial::test("each_kind_of_trial_has_a_row_and_a_claim", || {
-        each_kind_of_trial_has_a_row_and_a_claim();
-        Ok(())
-    }));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -81,11 +77,4 @@ fn each_crate_has_a_conclusion_that_its_studies_show() {
             assert_eq!(entry.map(|entry| entry.krate), Some(conclusion.krate), "{id}");
         }
     }
-}
-
-fn each_kind_of_trial_has_a_row_and_a_claim() {
-    let entry = STUDIES.iter().find(|entry| entry.id == "trials").expect("a listed study");
-    let study = entry.measure(Size::Default).expect("a study that runs");
-    let kinds = stationary_trials::Kind::all().count();
-    assert_eq!([study.table.rows().len(), study.claims.len()], [kinds; 2]);
 }

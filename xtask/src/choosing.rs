@@ -32,7 +32,7 @@ pub const KINDS: &[Kind] = &[Kind {
            and whose energy is right, at these parts and wherever the chooser may look; refused where a \
            run of a sixtieth of the work that the question may take keeps to the tolerance, else apart, as \
            is a contact that leads elsewhere itself",
-    in_tests: 50,
+    in_tests: 20,
     trial,
 }];
 

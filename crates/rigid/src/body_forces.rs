@@ -21,7 +21,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector1, Vector3};
 use stationary_calculus::{Covector, Force, Sink, Vector};
 
 use crate::body_spring::Attachment;
@@ -46,8 +46,13 @@ enum Acting {
     Turn { body: usize, law: TurnLaw },
 }
 
-/// A velocity is moved by this part of itself to see how a law changes.
+/// A velocity is moved by this part of itself to see how a law changes, or by this part of one unit where it is
+/// zero or nothing is seen.
 const DIFFERENCE: f64 = 1e-6;
+/// A change of a law by less than this part of it may be rounding.
+const SEEN: f64 = 1e-8;
+/// How much farther a velocity is moved where the change may be rounding.
+const FARTHER: f64 = 1e3;
 
 /// Things that act on bodies: a [`Force`] of their poses and velocities.
 #[derive(Clone)]
@@ -288,10 +293,9 @@ impl<S: BodySpace> BodyForces<S> {
                     Acting::Point { .. } | Acting::Turn { .. } => return,
                 };
                 let rate = coordinate.rate::<S>(v);
-                let e = DIFFERENCE * (1.0 + rate.abs());
-                let [ahead, behind] = [e, -e].map(|e| law(t, coordinate.value, rate + e));
-                let slope = along(&coordinate.wrenches);
-                (coordinate.bodies, slope * slope.transpose() * ((behind - ahead) / (2.0 * e)))
+                let law = |e| Vector1::new(law(t, coordinate.value, rate + e));
+                let along = along(&coordinate.wrenches);
+                (coordinate.bodies, along * along.transpose() * against(law, rate.abs()).x)
             }
             Acting::Point { body, point, law } => {
                 let (pose, moving) = (pose_or_none::<S>(q, *body), Velocity::of::<S>(v, *body));
@@ -317,13 +321,27 @@ impl<S: BodySpace> BodyForces<S> {
     }
 }
 
+/// Minus the derivative of a law with a velocity that is moved by `e` from one of this size. It is moved by as
+/// little as can be seen, so that no unit matters: friction may change within a speed of any size.
+fn against<const N: usize>(law: impl Fn(f64) -> SVector<f64, N>, speed: f64) -> SVector<f64, N> {
+    let most = DIFFERENCE * (1.0 + speed);
+    let least = DIFFERENCE * speed;
+    let mut e = if least > 0.0 { least } else { most };
+    loop {
+        let [ahead, behind] = [law(e), law(-e)];
+        let change = behind - ahead;
+        let is_seen = change.amax() > SEEN * ahead.amax().max(behind.amax());
+        let is_less = e < most;
+        if is_seen || !is_less {
+            return change / (2.0 * e);
+        }
+        e = (FARTHER * e).min(most);
+    }
+}
+
 /// The symmetric part of minus the derivative of a law with velocity.
 fn slope(law: impl Fn(Vector3<f64>) -> Vector3<f64>, velocity: Vector3<f64>) -> Matrix3<f64> {
-    let e = DIFFERENCE * (1.0 + velocity.amax());
-    let column = |k| {
-        let [ahead, behind] = [e, -e].map(|e| law(velocity + Vector3::ith(k, e)));
-        (behind - ahead) / (2.0 * e)
-    };
+    let column = |k| against(|e| law(velocity + Vector3::ith(k, e)), velocity.amax());
     let slope = Matrix3::from_columns(&[column(0), column(1), column(2)]);
     (slope + slope.transpose()) * 0.5
 }

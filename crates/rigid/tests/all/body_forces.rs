@@ -7,9 +7,9 @@ use stationary_calculus::{
 use stationary_constraints::{Constraint, Pairing};
 use stationary_integrators::{Integrator, State, StepError};
 use stationary_rigid::{
-    Along, Attachment, Body, BodyForces, BodyMethod, BodyMetric, BodyMotion, BodySpring,
-    ConstantVelocity, Drive, ExactRotation, JointEnd, LieGroup, LieVerlet, Orientations, Poses,
-    RigidError, RigidMotion, Rotation, Schedule, Steady, TorsionSpring,
+    Along, Attachment, AxisRotations, Body, BodyForces, BodyMethod, BodyMetric, BodyMotion,
+    BodySpring, ConstantVelocity, Drive, ExactRotation, Free, JointEnd, LieGroup, LieVerlet,
+    Orientations, Poses, RigidError, RigidMotion, Rotation, Schedule, Steady, TorsionSpring,
 };
 
 pub(crate) const POINT: Vector3<f64> = Vector3::new(0.1, 0.4, -0.3);
@@ -248,4 +248,35 @@ fn a_step_with_forces_allocates_nothing() {
         (0..10).for_each(|_| assert!(verlet.step(&mut state, 0.01).is_ok()));
     });
     assert_eq!(count.count_total, 0, "{count:?}");
+}
+
+#[test]
+fn friction_brakes_alike_in_every_unit_of_length() {
+    // A ball at the unit of length a second, under friction that is all but constant from a hundredth of it on.
+    let braked = |l: f64| {
+        let metric = BodyMetric::<Poses>::new(vec![Body::solid_ball(1.0, 0.1 * l).unwrap()]);
+        let velocity = Vector3::new(l, 0.5 * l, 0.0);
+        let pose = RigidMotion::identity();
+        let start = BodyMotion { pose, velocity, angular_velocity: Vector3::zeros() };
+        let mut state = metric.state(&[start]).unwrap();
+        let system = metric.under(Free { freedoms: 6 }).unwrap();
+        let mut forces = BodyForces::new(Poses, 1);
+        let law = move |_: f64, _: Vector3<f64>, v: Vector3<f64>| {
+            let speed = v.norm() / l;
+            v.try_normalize(0.0).map_or(v, |along| along * (-l * (speed / 0.01).tanh()))
+        };
+        forces.at_point(0, Vector3::zeros(), law).unwrap();
+        let mut method = LieVerlet::<_, _, AxisRotations, _>::forced(&system, forces).unwrap();
+        for step in 0..40 {
+            method
+                .step(&mut state, 0.05)
+                .unwrap_or_else(|error| panic!("{l}, step {step}: {error}"));
+        }
+        state.q[0] / l
+    };
+    let expected = braked(1.0);
+    for l in [1e-9, 1e-6, 1e-3, 1e3, 1e6] {
+        let came = braked(l);
+        assert!((came / expected - 1.0).abs() < 1e-9, "{l}: {came}, not {expected}");
+    }
 }

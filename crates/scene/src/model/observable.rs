@@ -30,7 +30,8 @@ pub enum Observable {
     Velocity(usize),
     /// How far apart two particles are.
     Distance([usize; 2]),
-    /// The tension of a rod, negative for a thrust: that of the mean force over the last step.
+    /// The tension of a rod, negative for a thrust: that of the mean force over the last step, at the start
+    /// over the second 64th part of a step.
     Tension(usize),
     /// How fast a body turns, in body axes; one column in the plane.
     AngularVelocity(usize),

@@ -147,7 +147,7 @@ struct BodyRecorder<'a> {
     scene: &'a Scene,
     system: &'a dyn BodySystem,
     acting: Option<Acting>,
-    /// Of all rods; zero before the first step, and of those that broke.
+    /// Of all rods; zero of those that broke.
     tensions: Vec<f64>,
     /// The rods that are left, by their places in the scene, and those that broke.
     left: Vec<usize>,
@@ -234,7 +234,9 @@ impl Recorder for BodyRecorder<'_> {
     }
 
     fn restore(&mut self, broken: &[BrokenRod]) {
-        self.left.retain(|rod| broken.iter().all(|broken| broken.rod != *rod));
+        self.left.clear();
+        let is_left = |rod: &usize| broken.iter().all(|broken| broken.rod != *rod);
+        self.left.extend((0..self.tensions.len()).filter(is_left));
         self.broken.clear();
         self.broken.extend_from_slice(broken);
     }

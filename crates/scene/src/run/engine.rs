@@ -13,6 +13,7 @@ use std::cell::LazyCell;
 use stationary_integrators::{Cost, State};
 
 use crate::model::built::Built;
+use crate::model::observable::Observable;
 use crate::model::scene::Scene;
 use crate::run::checkpoint::{Before, Checkpoint, CheckpointError};
 use crate::run::error::{RunError, StepFailure};
@@ -22,6 +23,9 @@ use crate::run::recorder::{Failed, Recorder};
 use crate::run::samples::{Run, Samples};
 use crate::run::stepper::{Stepped, Stepper};
 use crate::text::limits;
+
+/// The part of a step over which the tensions at the start are means: the second such part.
+const FIRST_PART: f64 = 1.0 / 64.0;
 
 /// Everything that a run needs: a scene's state, what steps it, and what takes samples of it.
 ///
@@ -68,6 +72,7 @@ impl Engine<'_> {
                 samples = self.resume(checkpoint)?;
             }
             None => {
+                self.feel_the_start(h)?;
                 let prepared = self.stepper.prepared();
                 cost.differentials = prepared.differentials.into();
                 cost.hessians = prepared.hessians.into();
@@ -167,6 +172,19 @@ impl Engine<'_> {
         }
         self.recorder.feel(self.stepper.multipliers(), stepped.broken);
         Ok(stepped)
+    }
+
+    /// Lets the recorder feel what rods bear at the start: in small parts of a step, which are taken back
+    /// and cost nothing in the counts. What fails does so again where it counts.
+    fn feel_the_start(&mut self, h: f64) -> Result<(), CheckpointError> {
+        let is_asked = |observable: &Observable| matches!(observable, Observable::Tension(_));
+        if self.scene.observables.iter().any(is_asked) {
+            let (before, part) = (self.before(), FIRST_PART * h);
+            // The first step of the constrained Hamilton principle bears half of what bends the path.
+            let _ = self.step(part, part).and_then(|_| self.step(part, 2.0 * part));
+            self.load(&before)?;
+        }
+        Ok(())
     }
 
     /// Shows the parts of a step that the observer is to see, and leaves everything as it was. A part

@@ -275,8 +275,6 @@ impl<G: Flies, P: Potential> Chosen<'_, G, P> {
         self.works.push(lifting);
         self.works.extend(self.rubs.then_some(rubbing));
         self.works.extend(self.holds.then_some(joints));
-        self.bodies.joint_forces(to, &mut self.told);
-        self.joints.forces(&self.told, 1.0, &mut self.forces);
     }
 
     /// Keeps states within a step of the scene and at its end, where they are asked for.
@@ -307,6 +305,8 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
             chosen.rejected += taken.rejected as u64;
         }
         *state = State { t: to, ..self.at(to)? };
+        self.bodies.joint_forces(to, &mut self.told);
+        self.joints.forces(&self.told, 1.0, &mut self.forces);
         self.ends.clear();
         self.states.clear();
         if self.about(h) > self.steps.step() {

@@ -300,28 +300,82 @@ mod tests {
     use stationary_calculus::{NewtonError, NewtonFailure};
 
     use super::*;
+    use crate::BodyShape;
+    use crate::model::drives::Drives;
+    use crate::model::items::RigidBody;
+    use crate::model::particle::Particle;
+    use crate::model::scene::Gravity;
+    use crate::model::stepping::Stepping;
+    use crate::model::timing::Timing;
+    use crate::model::units::Units;
 
-    fn joined(dimension: usize, joints: &str) -> Scene {
-        let (place, side) = match dimension {
-            3 => ("[1, 0, 0]", "[1, 1, 1]"),
-            _ => ("[1, 0]", "[1, 1]"),
+    /// A scene with nothing in it. None is read from a text here: the whole reader would be compiled once
+    /// more for these tests.
+    fn empty(dimension: usize) -> Scene {
+        Scene {
+            title: String::new(),
+            dimension,
+            units: Units { length: "m".into(), time: "s".into(), mass: "kg".into() },
+            stepping: Stepping::LinearModes { count: 1 },
+            timing: Timing::new(1.0, 1.0, 1).unwrap(),
+            gravity: Gravity { acceleration: None, constant: None, fixed: Vec::new() },
+            drag: None,
+            frame: None,
+            drives: Drives::default(),
+            contact: None,
+            particles: Vec::new(),
+            written_out: 0,
+            links: Vec::new(),
+            rods: Vec::new(),
+            bodies: Vec::new(),
+            joints: Vec::new(),
+            solids: Vec::new(),
+            heat: None,
+            hung: Vec::new(),
+            edges: Vec::new(),
+            faces: Vec::new(),
+            observables: Vec::new(),
+            view: [0.0; 3],
+            claims: Vec::new(),
+        }
+    }
+
+    /// Two bodies, `a` and `b`, and joints between them and the world.
+    fn joined(dimension: usize, joints: &[(JointKind, [Option<usize>; 2])]) -> Scene {
+        let body = |name: &str| RigidBody {
+            name: name.into(),
+            mass: 1.0,
+            shape: BodyShape::Moments,
+            moments: [1.0; 3],
+            position: [1.0, 0.0, 0.0],
+            rotation: [0.0; 3],
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+            points: Vec::new(),
+            point_mass: false,
         };
-        let method = if dimension == 3 { "variational-rotation" } else { "stormer-verlet" };
-        let text = format!(
-            "dimension = {dimension}\nintegrator = \"{method}\"\nstep = 1\nhorizon = 1\n\
-             bodies = [{{ name = \"a\", mass = 1, box = {side}, position = {place} }}, \
-             {{ name = \"b\", mass = 1, box = {side}, position = {place} }}]\njoints = [{joints}]"
-        );
-        Scene::parse("a.toml", &text).unwrap()
+        let joint = |&(kind, between)| SceneJoint {
+            kind,
+            between,
+            place: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+            stiffness: 0.0,
+            rest: 0.0,
+            damping: 0.0,
+            limits: None,
+            friction: 0.0,
+        };
+        let joints = joints.iter().map(joint).collect();
+        Scene { bodies: vec![body("a"), body("b")], joints, ..empty(dimension) }
     }
 
     #[test]
     fn an_equation_that_is_not_solved_is_told_as_its_joint() {
-        let in_space = "{ kind = \"ball\", between = [\"world\", \"a\"], at = [0, 0, 0] }, \
-            { kind = \"hinge\", between = [\"a\", \"b\"], at = [0, 0, 0], axis = [0, 0, 1] }, \
-            { kind = \"fixed\", between = [\"b\", \"world\"], at = [0, 0, 0] }";
-        let in_the_plane = "{ kind = \"weld\", between = [\"world\", \"a\"], at = [0, 0] }, \
-            { kind = \"pin\", between = [\"a\", \"b\"], at = [0, 0] }";
+        use JointKind::{Ball, Fixed, Hinge};
+        let (from_world, between, to_world) =
+            ([None, Some(0)], [Some(0), Some(1)], [Some(1), None]);
+        let in_space = [(Ball, from_world), (Hinge, between), (Fixed, to_world)];
+        let in_the_plane = [(Fixed, from_world), (Ball, between)];
         let ball = "the ball joint between `world` and `a`";
         let hinge = "the hinge between `a` and `b`";
         let fixed = "the fixed joint between `b` and `world`";
@@ -329,10 +383,10 @@ mod tests {
         for (dimension, joints, rows) in [
             (
                 3,
-                in_space,
+                &in_space[..],
                 &[(0, ball), (2, ball), (3, hinge), (7, hinge), (8, fixed), (13, fixed)][..],
             ),
-            (2, in_the_plane, &[(0, weld), (2, weld), (3, pin), (4, pin)]),
+            (2, &in_the_plane, &[(0, weld), (2, weld), (3, pin), (4, pin)]),
         ] {
             let scene = joined(dimension, joints);
             for &(row, name) in rows {
@@ -347,13 +401,13 @@ mod tests {
 
     #[test]
     fn a_rest_that_is_not_found_is_told_with_the_particle_that_is_farthest_from_it() {
-        let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 1\nhorizon = 1\n\
-            uniform_gravity = { acceleration = [0, -9.81] }\nparticles = [\n\
-            { name = \"a\", mass = 1, position = [0, 0] },\n\
-            { name = \"b\", mass = 1, position = [1, 0] },\n\
-            { name = \"c\", mass = 2, position = [2, 0] }]\n\
-            springs = [{ between = [\"a\", \"b\"], stiffness = 1 }]";
-        let scene = Scene { hung: vec![1], ..Scene::parse("a.toml", text).unwrap() };
+        let particles = ["a", "b", "c"].map(|name| Particle {
+            name: name.into(),
+            position: [0.0; 3],
+            motion: Motion::Free { mass: 1.0, momentum: [0.0; 3] },
+            radius: 0.0,
+        });
+        let scene = Scene { hung: vec![1], particles: particles.into(), ..empty(2) };
         let source = NewtonError { failure: NewtonFailure::Unbounded, history: Vec::new() };
         let error = AssemblyError::Equilibrium { freedom: 3, freedoms: 4, source };
         let words = scene.named(RunError::Assembly(error)).to_string();
@@ -363,7 +417,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_not_finite_are_told_with_their_body() {
-        let scene = joined(3, "");
+        let scene = joined(3, &[]);
         let words = |failure| scene.failure_named(&failure, &[]).unwrap();
         let moved = StepError::NonFiniteConfiguration { freedom: 7 };
         assert_eq!(words(StepFailure::Step(moved)), "the position of `b` is not finite");

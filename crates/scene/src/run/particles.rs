@@ -174,7 +174,9 @@ impl<const D: usize> Recorder for ParticleRecorder<'_, D> {
     }
 
     fn restore(&mut self, broken: &[BrokenRod]) {
-        self.left.retain(|rod| broken.iter().all(|broken| broken.rod != *rod));
+        self.left.clear();
+        let is_left = |rod: &usize| broken.iter().all(|broken| broken.rod != *rod);
+        self.left.extend((0..self.tensions.len()).filter(is_left));
         self.broken.clear();
         self.broken.extend_from_slice(broken);
     }

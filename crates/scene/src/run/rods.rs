@@ -115,14 +115,14 @@ impl<const D: usize> Stepper for Breaking<'_, D> {
         self.rattle.save()
     }
 
-    /// A rod that broke does not mend.
+    /// To go back where a rod may have broken makes the rods anew, too much for parts of every step.
     fn takes_parts(&self) -> bool {
         self.scene.rods.iter().all(|rod| rod.strength.is_infinite())
     }
 
     /// Rods are in no list of numbers: those that broke say which are left.
     fn load(&mut self, before: &Before) -> Result<(), CheckpointError> {
-        if !before.broken.is_empty() {
+        if self.scene.rods.iter().any(|rod| rod.strength.is_finite()) {
             let mut rods = self.scene.constraint::<D>()?;
             rods.retain(|rod| before.broken.iter().all(|broken| broken.rod != rod));
             self.rattle.set_constraint(rods, &before.state, SparseDiagonal::default())?;

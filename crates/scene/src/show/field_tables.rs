@@ -23,7 +23,7 @@ use crate::text::file_error::WriteError;
 /// Writes the tables into a folder.
 pub(crate) fn write(run: &Run, folder: &Path) -> Result<(), WriteError> {
     let scene = &run.scene;
-    if scene.keeps_velocities() {
+    if scene.heat.is_none() && of_no_body(run).next().is_some() {
         write_file(&folder.join("velocity.csv"), |out| velocities(run, out))?;
     }
     if scene.rigid_bodies() > 0 {
@@ -102,13 +102,19 @@ fn vector(run: &Run, what: &str, unit: &str) -> Vec<String> {
     COORDINATES[..run.scene.dimension].iter().map(heading).collect()
 }
 
+/// The particles that are no points of a body that turns.
+fn of_no_body(run: &Run) -> impl Iterator<Item = usize> {
+    (0..run.scene.particles.len()).filter(|&particle| !run.scene.is_point_of_a_body(particle))
+}
+
 fn velocities(run: &Run, out: &mut impl Write) -> io::Result<()> {
     let d = run.scene.dimension;
     head(run, out, &["particle"], vector(run, "velocity", &run.scene.units.velocity()))?;
     for (sample, time) in run.times().iter().enumerate() {
-        for (particle, velocity) in run.scene.particles.iter().zip(run.velocities(sample)) {
-            write!(out, "{time:?},{}", particle.name)?;
-            row(out, velocity.into_iter().take(d))?;
+        let velocities = run.velocities(sample);
+        for particle in of_no_body(run) {
+            write!(out, "{time:?},{}", run.scene.particles[particle].name)?;
+            row(out, velocities[particle].into_iter().take(d))?;
         }
     }
     Ok(())
