@@ -154,3 +154,15 @@ fn what_is_left_out_is_named_in_the_list_and_in_the_text() {
         assert!(left.text.contains(&format!("# - {what}")), "{}", left.text);
     }
 }
+
+#[test]
+fn what_touches_a_link_that_stands_still_is_told() {
+    let shape = r#"<collision><geometry><box size="9 9 0.1"/></geometry></collision>"#;
+    let robot = format!(
+        r#"<link name="base">{shape}</link><link name="table">{shape}</link><link name="post"/><link name="b">MASS</link>"#
+    ) + &joint("f", "fixed", "base", "table", "")
+        + &joint("g", "fixed", "base", "post", "")
+        + &joint("j", "floating", "base", "b", "");
+    let left = urdf(&robot).unwrap().left_out;
+    assert_eq!(left, ["what touches link `base`", "what touches link `table`"].map(str::to_owned));
+}

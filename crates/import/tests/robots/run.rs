@@ -225,3 +225,22 @@ fn a_round_shape_rolls_on_a_plane_as_its_inertia_says() {
     let at = run.positions(run.times().len() - 1);
     assert!((at[0] - expected).abs() < 5e-3 * expected, "{} {expected}", at[0]);
 }
+
+/// A link without mass carries the joint, and the link that is fixed to it the mass.
+#[test]
+fn a_link_without_mass_moves_with_what_is_fixed_to_it() {
+    let arm = r#"<inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+      <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>"#;
+    let hinge = r#"<axis xyz="0 1 0"/></joint>"#;
+    let direct = format!(
+        r#"<robot name="arm"><link name="base"/><link name="a">{arm}</link>
+          <joint name="j" type="continuous"><parent link="base"/><child link="a"/>{hinge}</robot>"#
+    );
+    let carried = format!(
+        r#"<robot name="arm"><link name="base"/><link name="a"/><link name="b">{arm}</link>
+          <joint name="j" type="continuous"><parent link="base"/><child link="a"/>{hinge}
+          <joint name="f" type="fixed"><parent link="a"/><child link="b"/></joint></robot>"#
+    );
+    let [direct, carried] = [direct, carried].map(|robot| scene_of_urdf(&robot).unwrap());
+    assert_eq!(direct, carried);
+}
