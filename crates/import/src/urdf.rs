@@ -44,6 +44,7 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
         parts: Vec::new(),
         links: Vec::new(),
         walls: Vec::new(),
+        apart: Vec::new(),
         friction: None,
         left_out: Vec::new(),
     };

@@ -166,3 +166,43 @@ fn what_touches_a_link_that_stands_still_is_told() {
     let left = urdf(&robot).unwrap().left_out;
     assert_eq!(left, ["what touches link `base`", "what touches link `table`"].map(str::to_owned));
 }
+
+#[test]
+fn what_touches_a_body_that_stands_still_is_told_and_its_planes_are_walls() {
+    let left = mjcf(
+        r#"<body name="table" pos="0 0 0.5"><geom name="top" type="box" size="1 1 0.1"/>
+          <geom type="box" size="2 2 0.1" contype="0" conaffinity="0"/>
+          <body pos="0 0 -0.5"><geom type="plane" size="1 1 1"/></body></body>
+          <body name="ball" pos="0 0 2"><freejoint/><geom size="0.1"/></body>"#,
+    )
+    .unwrap();
+    assert_eq!(left.left_out, ["what touches geom `top`".to_owned()]);
+    assert!(left.text.contains("normal = [0.0, 0.0, 1.0]\nat = [0.0, 0.0, 0.0]"), "{}", left.text);
+}
+
+#[test]
+fn pairs_of_contact_and_friction_that_resists_turning_are_told() {
+    let model = r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+      <body name="a" pos="0 0 1"><freejoint/><geom name="g" size="0.1" condim="6"/></body></worldbody>
+      <contact><pair geom1="floor" geom2="g" friction="0.1"/></contact></mujoco>"#;
+    let left = scene_of_mjcf(model, ".").unwrap().left_out;
+    let told = ["contact pair of `floor` and `g`", "torsional and rolling friction of shapes"];
+    assert_eq!(left, told.map(str::to_owned));
+    let wrong = model.replace("pair geom1=\"floor\" geom2", "exclude body1=\"a\" body2");
+    let error = scene_of_mjcf(&wrong, ".").unwrap_err().to_string();
+    assert!(error.contains("`exclude` names link `g`"), "{error}");
+}
+
+#[test]
+fn a_range_is_no_limit_where_the_compiler_says_so() {
+    let model = |limits: &str| {
+        let text = format!(
+            r#"<mujoco><compiler autolimits="{limits}"/><worldbody>
+              <body><joint axis="0 1 0" range="-10 10"/><geom size="0.1" pos="1 0 0"/></body>
+              </worldbody></mujoco>"#
+        );
+        scene_of_mjcf(&text, ".").unwrap().text
+    };
+    assert!(model("true").contains("limits = ["));
+    assert!(!model("false").contains("limits = ["));
+}
