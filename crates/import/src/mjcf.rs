@@ -12,6 +12,7 @@ use mjcf_rs::equality::Equality;
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{Body as Solid, LieGroup, RigidError, RigidMotion, Rotation, SpatialMass};
 
+use crate::passed_over::{PassedOver, passed_over};
 use crate::robot::{
     Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name,
     wall_name,
@@ -37,8 +38,9 @@ fn motion(name: &str, pose: &mjcf_rs::Pose) -> Result<RigidMotion, ImportError> 
 /// # Errors
 /// [`ImportError`] of what is not read, names nothing, has no mass, or cannot be told.
 pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description, ImportError> {
-    let model = Model::from_str(text, folder)
+    let model = Model::from_str(text, &folder)
         .map_err(|error| ImportError::Syntax { format: "MJCF", message: error.to_string() })?;
+    let PassedOver { left_out, weightless } = passed_over(text, folder.as_ref())?;
     let (compiler, option) = (&model.compiler, &model.option);
     if compiler.set_total_mass > 0.0 || compiler.bound_mass > 0.0 || compiler.bound_inertia > 0.0 {
         let name = "settotalmass, boundmass or boundinertia".to_owned();
@@ -50,14 +52,14 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
     let mut robot = Robot {
         title: model.name.clone().filter(|name| !name.is_empty()).unwrap_or("robot".to_owned()),
         format: "MJCF",
-        gravity: option.gravity,
+        gravity: if weightless { [0.0; 3] } else { option.gravity },
         step: option.timestep,
         parts: Vec::new(),
         links: Vec::new(),
         walls: Vec::new(),
         apart: Vec::new(),
         friction: None,
-        left_out: Vec::new(),
+        left_out,
     };
     // A parent stands before its children.
     let mut placed: Vec<(RigidMotion, String)> = Vec::with_capacity(model.bodies.len());
