@@ -36,6 +36,8 @@ mod text;
 mod urdf;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+#[cfg(feature = "mjcf")]
+mod passed_over;
 
 pub use error::ImportError;
 #[cfg(feature = "mjcf")]

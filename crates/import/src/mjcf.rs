@@ -1,6 +1,7 @@
 //! MJCF, of MuJoCo: bodies in bodies, each with its joints and its shapes, of which its mass may come.
 
-use std::collections::HashMap;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -11,8 +12,10 @@ use mjcf_rs::equality::Equality;
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{Body as Solid, LieGroup, RigidError, RigidMotion, Rotation, SpatialMass};
 
+use crate::passed_over::{PassedOver, passed_over};
 use crate::robot::{
     Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name,
+    wall_name,
 };
 use crate::text::scene;
 use crate::{Description, ImportError};
@@ -35,8 +38,9 @@ fn motion(name: &str, pose: &mjcf_rs::Pose) -> Result<RigidMotion, ImportError> 
 /// # Errors
 /// [`ImportError`] of what is not read, names nothing, has no mass, or cannot be told.
 pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description, ImportError> {
-    let model = Model::from_str(text, folder)
+    let model = Model::from_str(text, &folder)
         .map_err(|error| ImportError::Syntax { format: "MJCF", message: error.to_string() })?;
+    let PassedOver { left_out, weightless } = passed_over(text, folder.as_ref())?;
     let (compiler, option) = (&model.compiler, &model.option);
     if compiler.set_total_mass > 0.0 || compiler.bound_mass > 0.0 || compiler.bound_inertia > 0.0 {
         let name = "settotalmass, boundmass or boundinertia".to_owned();
@@ -48,28 +52,32 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
     let mut robot = Robot {
         title: model.name.clone().filter(|name| !name.is_empty()).unwrap_or("robot".to_owned()),
         format: "MJCF",
-        gravity: option.gravity,
+        gravity: if weightless { [0.0; 3] } else { option.gravity },
         step: option.timestep,
         parts: Vec::new(),
         links: Vec::new(),
         walls: Vec::new(),
+        apart: Vec::new(),
         friction: None,
-        left_out: Vec::new(),
+        left_out,
     };
     // A parent stands before its children.
     let mut placed: Vec<(RigidMotion, String)> = Vec::with_capacity(model.bodies.len());
+    let mut touching = Vec::new();
     for (id, entry) in model.bodies.iter().enumerate() {
         let own = motion(entry.body.name.as_deref().unwrap_or(WORLD), &entry.body.pose)?;
         let (pose, parent) = match entry.parent {
             Some(parent) => (placed[parent].0.compose(&own), placed[parent].1.clone()),
             None => (own, WORLD.to_owned()),
         };
-        let name = if id == 0 {
-            ground(&mut robot, &entry.body, &pose)?;
-            WORLD.to_owned()
+        let name =
+            if id == 0 { WORLD.to_owned() } else { place(&mut robot, &model, id, &pose, &parent)? };
+        let geoms = entry.body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0);
+        if name == WORLD {
+            ground(&mut robot, geoms, (id, &pose), &mut touching)?;
         } else {
-            place(&mut robot, &model, id, &pose, &parent)?
-        };
+            touching.extend(geoms.map(|geom| Touching { body: id, of: name.clone(), geom }));
+        }
         placed.push((pose, name));
     }
     equalities(&mut robot, &model, &placed)?;
@@ -81,16 +89,23 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
     if !model.tendons.is_empty() {
         robot.left_out.push(format!("{} tendons", model.tendons.len()));
     }
-    robot.friction = friction(&model, &mut robot.left_out);
+    surfaces(&mut robot, &model, &touching)?;
     robot.check_names("body")?;
     scene(robot)
 }
 
-/// The planes of the world; its other shapes are left out.
-fn ground(robot: &mut Robot, body: &Body, pose: &RigidMotion) -> Result<(), ImportError> {
-    for geom in &body.geoms {
+/// The planes of what stands still; its other shapes are left out.
+fn ground<'a>(
+    robot: &mut Robot,
+    geoms: impl Iterator<Item = &'a Geom>,
+    (body, pose): (usize, &RigidMotion),
+    touching: &mut Vec<Touching<'a>>,
+) -> Result<(), ImportError> {
+    for geom in geoms {
         if geom.type_ == GeomType::Plane {
             let at = pose.compose(&motion(named(geom), &geom.pose)?);
+            let of = wall_name(robot.walls.len());
+            touching.push(Touching { body, of, geom });
             robot.walls.push([at.rotation.rotate(&Vector3::z()), at.translation]);
         } else {
             robot.left_out.push(format!("what touches geom `{}`", named(geom)));
@@ -101,18 +116,6 @@ fn ground(robot: &mut Robot, body: &Body, pose: &RigidMotion) -> Result<(), Impo
 
 fn named(geom: &Geom) -> &str {
     geom.name.as_deref().unwrap_or("without a name")
-}
-
-/// Coulomb's coefficient, where it is the same of all shapes.
-fn friction(model: &Model, left_out: &mut Vec<String>) -> Option<f64> {
-    let geoms = model.bodies.iter().flat_map(|entry| &entry.body.geoms);
-    let mut all = geoms.map(|geom| geom.friction[0]);
-    let first = all.next()?;
-    if all.all(|friction| friction == first) {
-        return Some(first);
-    }
-    left_out.push("friction, which differs from shape to shape".to_owned());
-    None
 }
 
 /// Puts a body where it is, with its joint; says of which body it is a part.
@@ -132,6 +135,10 @@ fn place(
     if body.gravcomp != 0.0 {
         robot.left_out.push(format!("gravity compensation of `{name}`"));
     }
+    if body.joints.is_empty() && parent == WORLD {
+        // What is fixed to the world does not move.
+        return Ok(parent.to_owned());
+    }
     let pieces = pieces(model, body, &name)?.iter().map(|piece| piece.moved(pose)).collect();
     let mut outlines = Some(Vec::new());
     for geom in body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0) {
@@ -144,14 +151,13 @@ fn place(
     let part = Part { name: name.clone(), pieces, outlines };
     match &body.joints[..] {
         [] => {
-            // What is fixed to the world does not move; the rest is one body.
             if let Some(above) = robot.part(parent) {
                 above.join(part.pieces, part.outlines);
             }
             Ok(parent.to_owned())
         }
         [joint] => {
-            if let Some((kind, bounds)) = kind(robot, joint, pose, &name)? {
+            if let Some((kind, bounds)) = kind(robot, model, joint, pose, &name)? {
                 let at = pose.apply(&Vector3::from(joint.pos));
                 let between = [parent.to_owned(), name.clone()];
                 robot.links.push(Link { kind, between, at, bounds });
@@ -166,19 +172,20 @@ fn place(
 /// What a joint leaves free, and what bounds it; nothing where all is.
 fn kind(
     robot: &mut Robot,
+    model: &Model,
     joint: &Joint,
     pose: &RigidMotion,
     body: &str,
 ) -> Result<Option<(Kind, Bounds)>, ImportError> {
     let name = joint.name.clone().unwrap_or_else(|| format!("joint of {body}"));
     let mut leave = |what: &str| robot.left_out.push(format!("{what} of joint `{name}`"));
-    let (autolimits, hinge) = (true, joint.type_ == JointType::Hinge);
+    let hinge = joint.type_ == JointType::Hinge;
     let mut bounds = Bounds::default();
     let of_one = hinge || joint.type_ == JointType::Slide;
     if of_one {
         bounds.friction = joint.frictionloss;
     }
-    let limited = joint.limited.resolve(autolimits, joint.range.is_some());
+    let limited = joint.limited.resolve(model.compiler.autolimits, joint.range.is_some());
     let range = joint.range.filter(|_| of_one).map(|range| range.map(|limit| limit - joint.ref_));
     let most = if hinge { HALF_A_TURN } else { f64::INFINITY };
     let beyond = limited && !range.is_some_and(|range| bounds.take(range, most));
@@ -209,24 +216,33 @@ fn kind(
     Ok(kind.map(|kind| (kind, bounds)))
 }
 
+/// Bodies by name; the world is the first.
+fn ids(model: &Model) -> HashMap<&str, usize> {
+    let bodies = model.bodies.iter().enumerate();
+    let named = bodies.filter_map(|(id, entry)| Some((entry.body.name.as_deref()?, id)));
+    named.chain([(WORLD, 0)]).collect()
+}
+
+fn find(
+    ids: &HashMap<&str, usize>,
+    what: &Option<String>,
+    kind: &str,
+    body: &str,
+) -> Result<usize, ImportError> {
+    ids.get(body).copied().ok_or_else(|| ImportError::UnknownLink {
+        joint: what.clone().unwrap_or(kind.to_owned()),
+        link: body.to_owned(),
+    })
+}
+
 /// Loops that are closed beside the tree.
 fn equalities(
     robot: &mut Robot,
     model: &Model,
     placed: &[(RigidMotion, String)],
 ) -> Result<(), ImportError> {
-    let ids: HashMap<_, _> = model
-        .bodies
-        .iter()
-        .enumerate()
-        .filter_map(|(id, entry)| Some((entry.body.name.as_deref()?, id)))
-        .collect();
-    let find = |what: &Option<String>, body: &str| {
-        ids.get(body).copied().ok_or_else(|| ImportError::UnknownLink {
-            joint: what.clone().unwrap_or("equality".to_owned()),
-            link: body.to_owned(),
-        })
-    };
+    let ids = ids(model);
+    let find = |what: &Option<String>, body: &str| find(&ids, what, "equality", body);
     for equality in &model.equality {
         let common = match equality {
             Equality::Connect(one) => &one.common,
@@ -261,6 +277,80 @@ fn equalities(
         let at = first.0.apply(&Vector3::from(anchor));
         let between = [first.1.clone(), second];
         robot.links.push(Link { kind, between, at, bounds: Bounds::default() });
+    }
+    Ok(())
+}
+
+/// A shape that touches others.
+struct Touching<'a> {
+    /// The body of the model.
+    body: usize,
+    /// The body or the wall of the scene.
+    of: String,
+    geom: &'a Geom,
+}
+
+impl Touching<'_> {
+    /// Where they touch, if they do: the dimension of contact, and Coulomb's coefficient.
+    fn with(&self, other: &Self) -> Option<(u32, f64)> {
+        let (a, b) = (self.geom, other.geom);
+        if (a.contype & b.conaffinity) | (b.contype & a.conaffinity) == 0 {
+            return None;
+        }
+        // The one of higher priority decides; of two alike, the larger numbers.
+        let (dimension, friction) = match a.priority.cmp(&b.priority) {
+            Ordering::Less => (b.condim, b.friction[0]),
+            Ordering::Greater => (a.condim, a.friction[0]),
+            Ordering::Equal => (a.condim.max(b.condim), a.friction[0].max(b.friction[0])),
+        };
+        Some((dimension, if dimension == 1 { 0.0 } else { friction }))
+    }
+}
+
+/// Which pairs pass through each other, and the friction of the others where it is the same of all.
+fn surfaces(
+    robot: &mut Robot,
+    model: &Model,
+    touching: &[Touching<'_>],
+) -> Result<(), ImportError> {
+    let ids = ids(model);
+    let mut excluded = HashSet::new();
+    for one in &model.contact.excludes {
+        let [a, b] = [&one.body1, &one.body2].map(|body| find(&ids, &one.name, "exclude", body));
+        let (a, b) = (a?, b?);
+        excluded.extend([(a, b), (b, a)]);
+    }
+    for one in &model.contact.pairs {
+        robot.left_out.push(format!("contact pair of `{}` and `{}`", one.geom1, one.geom2));
+    }
+    let ends = robot.links.iter().map(|link| link.between.each_ref());
+    let joined: HashSet<_> = ends.flat_map(|[a, b]| [[a, b], [b, a]]).collect();
+    let mut met: BTreeMap<[&String; 2], bool> = BTreeMap::new();
+    let (mut coefficients, mut rolls) = (Vec::new(), false);
+    for (k, one) in touching.iter().enumerate() {
+        for other in &touching[k + 1..] {
+            let pair = [&one.of, &other.of];
+            let fixed = [one, other].iter().all(|one| one.geom.type_ == GeomType::Plane);
+            if one.of == other.of || fixed || joined.contains(&pair) {
+                continue;
+            }
+            let with = one.with(other).filter(|_| !excluded.contains(&(one.body, other.body)));
+            *met.entry(pair).or_default() |= with.is_some();
+            if let Some((dimension, friction)) = with {
+                coefficients.push(friction);
+                rolls |= dimension > 3;
+            }
+        }
+    }
+    let apart = met.iter().filter(|(_, meet)| !**meet).map(|(pair, _)| pair.map(String::clone));
+    robot.apart = apart.collect();
+    robot.friction = coefficients.first().copied();
+    if coefficients.windows(2).any(|two| two[0] != two[1]) {
+        robot.left_out.push("friction, which differs from shape to shape".to_owned());
+        robot.friction = None;
+    }
+    if rolls {
+        robot.left_out.push("torsional and rolling friction of shapes".to_owned());
     }
     Ok(())
 }

@@ -168,8 +168,10 @@ pub(crate) struct Robot {
     pub(crate) step: f64,
     pub(crate) parts: Vec<Part>,
     pub(crate) links: Vec<Link>,
-    /// Planes: a normal and a point.
+    /// Planes: a normal and a point. The first is `wall 1`.
     pub(crate) walls: Vec<[Vector3<f64>; 2]>,
+    /// Pairs of parts, or of a part and a wall, that pass through each other.
+    pub(crate) apart: Vec<[String; 2]>,
     /// Coulomb's coefficient, where all shapes have one and the same.
     pub(crate) friction: Option<f64>,
     pub(crate) left_out: Vec<String>,
@@ -183,12 +185,18 @@ impl Robot {
 
     /// Names that a scene accepts, each once.
     pub(crate) fn check_names(&self, what: &'static str) -> Result<(), ImportError> {
-        let mut seen = HashSet::from([WORLD]);
-        match self.parts.iter().find(|part| !seen.insert(&part.name)) {
+        let walls = (0..self.walls.len()).map(wall_name);
+        let mut seen: HashSet<_> = walls.chain([WORLD.to_owned()]).collect();
+        match self.parts.iter().find(|part| !seen.insert(part.name.clone())) {
             None => Ok(()),
             Some(part) => Err(ImportError::Duplicate { what, name: part.name.clone() }),
         }
     }
+}
+
+/// The name of a wall, counted from zero.
+pub(crate) fn wall_name(k: usize) -> String {
+    format!("wall {}", k + 1)
 }
 
 /// A name as scenes have them: letters, digits, spaces, `-` and `_`, the first a letter or a digit.

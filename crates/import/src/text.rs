@@ -1,11 +1,12 @@
 //! The scene's text.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use nalgebra::Vector3;
 use stationary_rigid::LieGroup;
 
-use crate::robot::{Kind, Link, Outline, Part, Robot, Solid, WORLD};
+use crate::robot::{Kind, Link, Outline, Part, Robot, Solid, WORLD, wall_name};
 use crate::{Description, ImportError};
 
 /// Seconds that the scene runs, at most by half a step more or less.
@@ -130,9 +131,14 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
             let _ = writeln!(contact, "friction = {friction:?}");
         }
         // Neighbours at a joint pass through each other.
-        for link in robot.links.iter().filter(|link| link.between.iter().all(|name| *name != WORLD))
-        {
-            let [a, b] = &link.between;
+        let joined = robot.links.iter().map(|link| &link.between);
+        let joined = joined.filter(|between| between.iter().all(|name| name != WORLD));
+        let mut told = HashSet::new();
+        for [a, b] in joined.chain(&robot.apart) {
+            // A scene takes each pair once, whichever of the two stands first.
+            if !told.insert([a.min(b), a.max(b)]) {
+                continue;
+            }
             let _ = writeln!(
                 contact,
                 "\n[[contact.pairs]]\nof = [{}, {}]\nmeet = false",
@@ -140,10 +146,13 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
                 quoted(b)
             );
         }
-        for [normal, at] in &robot.walls {
+        for (k, [normal, at]) in robot.walls.iter().enumerate() {
+            let name = wall_name(k);
+            let named = robot.apart.iter().flatten().any(|other| *other == name);
+            let name = if named { format!("name = {}\n", quoted(&name)) } else { String::new() };
             let _ = writeln!(
                 contact,
-                "\n[[contact.walls]]\nnormal = {}\nat = {}",
+                "\n[[contact.walls]]\n{name}normal = {}\nat = {}",
                 vector(normal),
                 vector(at)
             );

@@ -44,6 +44,7 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
         parts: Vec::new(),
         links: Vec::new(),
         walls: Vec::new(),
+        apart: Vec::new(),
         friction: None,
         left_out: Vec::new(),
     };
@@ -129,9 +130,9 @@ fn place(
             _ => outlines = None,
         }
     }
-    let massless = mass == 0.0 && moments.amax() == 0.0;
     let Some((joint, parent)) = above else {
-        if massless {
+        if mass == 0.0 && moments.amax() == 0.0 {
+            stands(robot, link);
             return Ok(WORLD.to_owned());
         }
         let name = plain_name(&link.name);
@@ -144,13 +145,11 @@ fn place(
     }
     if joint.joint_type == JointType::Fixed {
         // What is fixed to the world does not move; the rest is one body.
-        if let Some(part) = robot.part(&parent) {
-            part.join(pieces, outlines);
+        match robot.part(&parent) {
+            Some(part) => part.join(pieces, outlines),
+            None => stands(robot, link),
         }
         return Ok(parent);
-    }
-    if massless {
-        return Err(ImportError::Massless { name: link.name.clone() });
     }
     let name = plain_name(&link.name);
     let mut leave = |what: &str| robot.left_out.push(format!("{what} of joint `{}`", joint.name));
@@ -199,4 +198,11 @@ fn place(
     }
     robot.parts.push(Part { name: name.clone(), pieces, outlines });
     Ok(name)
+}
+
+/// Tells that a link which does not move touches nothing in the scene: walls are all that stands there.
+fn stands(robot: &mut Robot, link: &urdf_rs::Link) {
+    if !link.collision.is_empty() {
+        robot.left_out.push(format!("what touches link `{}`", link.name));
+    }
 }

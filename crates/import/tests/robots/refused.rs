@@ -154,3 +154,155 @@ fn what_is_left_out_is_named_in_the_list_and_in_the_text() {
         assert!(left.text.contains(&format!("# - {what}")), "{}", left.text);
     }
 }
+
+#[test]
+fn what_touches_a_link_that_stands_still_is_told() {
+    let shape = r#"<collision><geometry><box size="9 9 0.1"/></geometry></collision>"#;
+    let robot = format!(
+        r#"<link name="base">{shape}</link><link name="table">{shape}</link>
+          <link name="post"/><link name="b">MASS</link>"#
+    ) + &joint("f", "fixed", "base", "table", "")
+        + &joint("g", "fixed", "base", "post", "")
+        + &joint("j", "floating", "base", "b", "");
+    let left = urdf(&robot).unwrap().left_out;
+    assert_eq!(left, ["what touches link `base`", "what touches link `table`"].map(str::to_owned));
+}
+
+#[test]
+fn what_touches_a_body_that_stands_still_is_told_and_its_planes_are_walls() {
+    let left = mjcf(
+        r#"<body name="table" pos="0 0 0.5"><geom name="top" type="box" size="1 1 0.1"/>
+          <geom type="box" size="2 2 0.1" contype="0" conaffinity="0"/>
+          <body pos="0 0 -0.5"><geom type="plane" size="1 1 1"/></body></body>
+          <body name="ball" pos="0 0 2"><freejoint/><geom size="0.1"/></body>"#,
+    )
+    .unwrap();
+    assert_eq!(left.left_out, ["what touches geom `top`".to_owned()]);
+    assert!(left.text.contains("normal = [0.0, 0.0, 1.0]\nat = [0.0, 0.0, 0.0]"), "{}", left.text);
+}
+
+#[test]
+fn pairs_of_contact_and_friction_that_resists_turning_are_told() {
+    let model = r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+      <body name="a" pos="0 0 1"><freejoint/><geom name="g" size="0.1" condim="6"/></body></worldbody>
+      <contact><pair geom1="floor" geom2="g" friction="0.1"/></contact></mujoco>"#;
+    let left = scene_of_mjcf(model, ".").unwrap().left_out;
+    let told = ["contact pair of `floor` and `g`", "torsional and rolling friction of shapes"];
+    assert_eq!(left, told.map(str::to_owned));
+    let wrong = model.replace("pair geom1=\"floor\" geom2", "exclude body1=\"a\" body2");
+    let error = scene_of_mjcf(&wrong, ".").unwrap_err().to_string();
+    assert!(error.contains("`exclude` names link `g`"), "{error}");
+}
+
+#[test]
+fn a_range_is_no_limit_where_the_compiler_says_so() {
+    let model = |limits: &str| {
+        let text = format!(
+            r#"<mujoco><compiler autolimits="{limits}"/><worldbody>
+              <body><joint axis="0 1 0" range="-10 10"/><geom size="0.1" pos="1 0 0"/></body>
+              </worldbody></mujoco>"#
+        );
+        scene_of_mjcf(&text, ".").unwrap().text
+    };
+    assert!(model("true").contains("limits = ["));
+    assert!(!model("false").contains("limits = ["));
+}
+
+#[test]
+fn what_the_reader_of_models_takes_for_another_is_refused_with_its_line() {
+    let geom = r#"<geom type="box" size="0.1 0.1 0.1"/>"#;
+    let rod = r#"<geom type="capsule" size="0.1" fromto="0 0 0 1 0 0"/>"#;
+    let body = |inside: &str| {
+        format!("<worldbody>\n<body><joint axis=\"0 1 0\"/>{inside}</body></worldbody>")
+    };
+    let classes = |inside: &str| {
+        format!(
+            "<default><geom type=\"box\" size=\"0.1 0.1 0.1\"/><default class=\"a\">{inside}</default></default>"
+        )
+    };
+    let turned = r#"<geom euler="0 90 0"/>"#;
+    let moved = r#"<geom class="a" pos="0 0 -1"/>"#;
+    let wrong = [
+        (
+            body(&format!("<replicate count=\"3\">{geom}</replicate>")),
+            "copies of a part (`replicate, line 2`)",
+        ),
+        (body(&format!("{geom}<composite/>")), "a part of many bodies (`composite, line 2`)"),
+        (body(&format!("{geom}<flexcomp/>")), "a part of many bodies (`flexcomp, line 2`)"),
+        (
+            body(&format!("<frame pos=\"1 0 0\">{rod}</frame>")),
+            "ends of a shape in a frame (`geom, line 2`)",
+        ),
+        (
+            body(&format!("{geom}<body><frame euler=\"90 0 0\"><joint/></frame>{geom}</body>")),
+            "what is in a frame and is no shape (`joint, line 2`)",
+        ),
+        (classes(turned) + &body(moved), "a pose that is partly of a class (`geom, line 2`)"),
+        (
+            classes(turned) + &body(r#"<body childclass="a"><geom pos="0 0 1"/></body>"#),
+            "a pose that is partly of a class (`geom, line 2`)",
+        ),
+        (
+            format!("<default class=\"top\">{turned}</default>") + &body(geom),
+            "a class of all that is not called main (`default, line 1`)",
+        ),
+        (body(r#"<geom size="0.1" shellinertia="true"/>"#), "the mass of a shell (`geom, line 2`)"),
+        (
+            "<compiler inertiagrouprange=\"0 1\"/>".to_owned() + &body(geom),
+            "masses of some groups of shapes (`compiler, line 1`)",
+        ),
+    ];
+    for (text, expected) in wrong {
+        let text = format!("<mujoco>{text}</mujoco>");
+        let error = scene_of_mjcf(&text, ".").unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\nnot: {expected}");
+    }
+    let right = [
+        classes(turned) + &body(r#"<geom pos="0 0 -1"/>"#),
+        classes(turned) + &body(r#"<geom class="a" pos="0 0 -1" euler="0 0 90"/>"#),
+        classes(turned) + &body(&rod.replace("<geom", "<geom class=\"a\"")),
+        body(&format!("<frame pos=\"1 0 0\">{geom}</frame>")),
+        body(
+            r#"<inertial pos="1 0 0" mass="1" diaginertia="1 1 1"/><geom size="0.1" shellinertia="true"/>"#,
+        ),
+    ];
+    for text in right {
+        let read = scene_of_mjcf(&format!("<mujoco>{text}</mujoco>"), ".");
+        assert!(read.is_ok(), "{text}: {}", read.unwrap_err());
+    }
+}
+
+#[test]
+fn media_and_switches_of_a_model_are_told_with_their_lines() {
+    let model = r#"<mujoco><option density="1.2" viscosity="0" wind="0 1 0">
+      <flag contact="disable" limit="enable" gravity="disable"/></option>
+      <worldbody><body name="a"><freejoint/><geom size="0.1"/></body></worldbody>
+      <tendon><spatial><site site="s"/></spatial></tendon></mujoco>"#;
+    let read = scene_of_mjcf(model, ".").unwrap();
+    let told = [
+        "`density` of option, line 1",
+        "`wind` of option, line 1",
+        "`contact` disabled by flag, line 2",
+        "tendon in space: spatial, line 4",
+    ];
+    assert_eq!(read.left_out, told.map(str::to_owned));
+    assert!(!read.text.contains("[uniform_gravity]"), "{}", read.text);
+}
+
+/// Lines are those of the file that says it.
+#[test]
+fn files_that_a_model_includes_are_searched_too() {
+    let folder = std::env::temp_dir().join(format!("stationary-import-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let part = "<mujoco>\n<option density=\"1\"/></mujoco>";
+    std::fs::write(folder.join("part.xml"), part).unwrap();
+    let model = r#"<mujoco><include file="part.xml"/><worldbody>
+      <body name="a"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#;
+    let read = scene_of_mjcf(model, &folder);
+    let inside = model.replace("<freejoint/>", r#"<freejoint/><include file="part.xml"/>"#);
+    let refused = scene_of_mjcf(&inside, &folder);
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(read.unwrap().left_out, ["`density` of option, line 2 of part.xml".to_owned()]);
+    let error = refused.unwrap_err().to_string();
+    assert!(error.contains("a file inside of an element (`include, line 2`)"), "{error}");
+}

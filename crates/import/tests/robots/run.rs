@@ -225,3 +225,85 @@ fn a_round_shape_rolls_on_a_plane_as_its_inertia_says() {
     let at = run.positions(run.times().len() - 1);
     assert!((at[0] - expected).abs() < 5e-3 * expected, "{} {expected}", at[0]);
 }
+
+/// A link without mass carries the joint, and the link that is fixed to it the mass.
+#[test]
+fn a_link_without_mass_moves_with_what_is_fixed_to_it() {
+    let arm = r#"<inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+      <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>"#;
+    let hinge = r#"<axis xyz="0 1 0"/></joint>"#;
+    let direct = format!(
+        r#"<robot name="arm"><link name="base"/><link name="a">{arm}</link>
+          <joint name="j" type="continuous"><parent link="base"/><child link="a"/>{hinge}</robot>"#
+    );
+    let carried = format!(
+        r#"<robot name="arm"><link name="base"/><link name="a"/><link name="b">{arm}</link>
+          <joint name="j" type="continuous"><parent link="base"/><child link="a"/>{hinge}
+          <joint name="f" type="fixed"><parent link="a"/><child link="b"/></joint></robot>"#
+    );
+    let [direct, carried] = [direct, carried].map(|robot| scene_of_urdf(&robot).unwrap());
+    assert_eq!(direct, carried);
+}
+
+/// Two balls fall onto a plane from one line: the upper falls through the lower, or rests on it.
+#[test]
+fn bodies_that_a_model_keeps_from_touching_pass_through_each_other() {
+    let model = |upper: &str, contact: &str| {
+        format!(
+            r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>
+              <body name="a" pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" {upper}/></body>
+              <body name="b" pos="0 0 0.35"><freejoint/><geom type="sphere" size="0.1" {upper}/></body>
+              </worldbody><contact>{contact}</contact></mujoco>"#
+        )
+    };
+    let fall = -9.81 / 2.0 * 0.36;
+    let cases = [
+        ("", "", [0.1, 0.3]),
+        ("", r#"<exclude body1="b" body2="a"/>"#, [0.1, 0.1]),
+        (r#"contype="1" conaffinity="0""#, "", [0.1, 0.1]),
+        (r#"contype="2" conaffinity="2""#, "", [0.1 + fall, 0.35 + fall]),
+        (
+            "",
+            r#"<exclude body1="world" body2="a"/><exclude body1="b" body2="a"/>"#,
+            [0.1 + fall, 0.1],
+        ),
+    ];
+    for (bits, contact, expected) in cases {
+        let described = scene_of_mjcf(&model(bits, contact), ".").unwrap();
+        assert!(described.left_out.is_empty(), "{:?}", described.left_out);
+        let observed = "observables = [{ position = \"a\" }, { position = \"b\" }]";
+        let run = run(&described, observed, "0.6");
+        let last = run.observed(run.times().len() - 1);
+        for (z, expected) in [last[2], last[5]].iter().zip(expected) {
+            assert!((z - expected).abs() < 1e-2, "{last:?} {expected}\n{}", described.text);
+        }
+    }
+}
+
+/// a = g_x without friction, and a box at rest where the larger of two coefficients holds it.
+#[test]
+fn friction_is_that_of_what_touches_in_its_dimensions_of_contact() {
+    let model = |floor: &str, crate_: &str| {
+        format!(
+            r#"<mujoco><option gravity="2 0 -9.81" timestep="0.001"/><worldbody>
+              <geom type="plane" size="1 1 1" {floor}/>
+              <geom type="box" size="1 1 1" contype="0" conaffinity="0" friction="0.1"/>
+              <body name="crate" pos="0 0 0.1"><freejoint/>
+                <geom type="box" size="0.1 0.1 0.1" {crate_}/></body></worldbody></mujoco>"#
+        )
+    };
+    let slides = 0.5 * 2.0 * 0.25;
+    let cases = [
+        (r#"condim="1""#, r#"condim="1""#, slides),
+        (r#"condim="1""#, "", 0.0),
+        (r#"friction="0.1""#, r#"friction="0.8""#, 0.0),
+        (r#"friction="0" priority="1""#, r#"friction="0.8""#, slides),
+    ];
+    for (floor, crate_, expected) in cases {
+        let described = scene_of_mjcf(&model(floor, crate_), ".").unwrap();
+        assert!(described.left_out.is_empty(), "{:?}", described.left_out);
+        let run = run(&described, "observables = [{ position = \"crate\" }]", "0.5");
+        let last = run.observed(run.times().len() - 1);
+        assert!((last[0] - expected).abs() < 1e-2, "{last:?} {expected}\n{}", described.text);
+    }
+}
