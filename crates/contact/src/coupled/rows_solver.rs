@@ -178,6 +178,16 @@ impl RowsSolver {
             lifted.row(row).for_each(|(freedom, value)| v.0[freedom] += value * x);
         }
         let left = held.iter().map(|&row| rows.lack(row, Vector(&*v.0)).abs()).fold(0.0, f64::max);
+        // What nothing can be done about is told: friction without an impulse lacks nothing.
+        let stays = islands.fixed.iter().map(|&(law, row)| {
+            let lack = rows.lack(row, Vector(&*v.0));
+            match law {
+                RowLaw::Equality => lack.abs(),
+                RowLaw::Limit | RowLaw::Cone(_) => (-lack).max(0.0),
+                RowLaw::Bounded(_) => 0.0,
+            }
+        });
+        let left = stays.fold(left, f64::max);
         report.settled &= left <= tolerance;
         report.residual = report.residual.max(left);
         impulses.copy_from_slice(found);
@@ -217,10 +227,12 @@ struct Block {
     rows: Range<usize>,
 }
 
-/// Blocks that share freedoms that impulses reach; those that reach none belong to no island.
+/// Blocks that share freedoms that impulses reach; those that reach none belong to no island, and are kept apart.
 #[derive(Debug, Default)]
 struct RowIslands {
     blocks: Vec<Block>,
+    /// The first row and the law of what no impulse changes.
+    fixed: Vec<(RowLaw, usize)>,
     groups: Groups,
     /// The island of the freedoms that a group stands for.
     island_of: Vec<usize>,
@@ -228,7 +240,7 @@ struct RowIslands {
 
 impl RowIslands {
     fn find(&mut self, rows: &VelocityRows, lifted: &ContactRows) {
-        let RowIslands { blocks, groups, island_of } = self;
+        let RowIslands { blocks, fixed, groups, island_of } = self;
         let reached =
             |rows: Range<usize>| rows.flat_map(|row| lifted.row(row)).map(|(freedom, _)| freedom);
         let count = reached(0..lifted.len()).max().map_or(0, |most| most + 1);
@@ -242,9 +254,13 @@ impl RowIslands {
         island_of.clear();
         island_of.resize(count, usize::MAX);
         blocks.clear();
+        fixed.clear();
         let mut islands = 0;
         for (law, rows) in rows.blocks() {
-            let Some(first) = reached(rows.clone()).next() else { continue };
+            let Some(first) = reached(rows.clone()).next() else {
+                fixed.push((law, rows.start));
+                continue;
+            };
             let island = &mut island_of[groups.find(first)];
             if *island == usize::MAX {
                 *island = islands;

@@ -10,6 +10,7 @@
 //! perpendicular to the gap where the points are closest. What belongs to a fixed shape has no
 //! columns.
 
+use crate::solve::body_state::speed;
 use crate::{ContactRows, Dimension};
 
 /// Which features of which colliders face each other: the same from step to step while they do.
@@ -81,6 +82,16 @@ impl<G: Dimension> ContactIn<G> {
         let directions = G::directions(&self.normal);
         let count = directions.as_ref().len();
         (1..count).map(move |k| directions.as_ref()[k])
+    }
+
+    /// How fast its bodies move where they meet, each at most and whatever the direction, m/s.
+    pub(crate) fn speed(&self, v: &[f64]) -> f64 {
+        let side = |k: usize| {
+            let arm = G::dot(&self.arms[k], &self.arms[k]).sqrt();
+            let own = |body: usize| speed::<G>(&v[G::FREEDOMS * body..][..G::FREEDOMS], arm);
+            self.bodies[k].map_or(0.0, own)
+        };
+        side(0) + side(1)
     }
 
     /// Appends the rate at which the second point leaves the first along a direction.

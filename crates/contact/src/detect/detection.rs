@@ -382,18 +382,19 @@ impl<G: Dimension> DetectorIn<G> {
 
     /// Drops what is not felt because it is at an edge between parts of one surface.
     fn drop_at_seams(&mut self, pair: [usize; 2], placed: &[G::Motion; 2]) {
-        let Self { seams, colliders, facing, covered, radii, .. } = self;
+        let Self { seams, colliders, passing, facing, covered, radii, .. } = self;
         let bodies = pair.iter().filter_map(|&i| colliders[i].body());
         let size = bodies.map(|body| radii[body]).fold(f64::INFINITY, f64::min);
         for side in [0, 1].into_iter().filter(|&side| seams.at(pair[side])) {
             let own = &colliders[pair[side]];
+            let felt = |other: usize| touch(colliders, passing, [other, pair[1 - side]]);
             // From the axes of the first collider to those of this side's carrier.
             let seen = own.place.compose(&placed[side].inverse()).compose(&placed[0]);
             covered.clear();
             covered.extend((0..facing.len()).map(|k| {
                 let outwards = facing[k].normal * if side == 0 { 1.0 } else { -1.0 };
                 let normal = G::turn(&seen, &outwards);
-                seams.cover(colliders, pair, side, (k, facing), &normal, size)
+                seams.cover(colliders, (pair, side), (k, facing), &normal, size, felt)
             }));
             // Of one mesh the least gap is nobody else's: where many directions are as good, each part may choose
             // one that seems a neighbour's.

@@ -50,6 +50,10 @@ impl<G: Dimension> DetectorIn<G> {
         let numbers =
             |v: &G::Vector| -> [f64; 3] { array(|k| if k < G::TRANSLATION { v[k] } else { 0.0 }) };
         check_finite("the start of a ray", &numbers(&start))?;
+        // Squares of what is tiny or huge are no numbers.
+        let largest = numbers(&direction).iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        check_length("ray", "direction", largest)?;
+        let direction = direction * largest.recip();
         let length = G::dot(&direction, &direction).sqrt();
         check_length("ray", "direction", length)?;
         if !(longest >= 0.0 && longest.is_finite()) {

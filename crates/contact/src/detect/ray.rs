@@ -37,6 +37,13 @@ pub(crate) fn entrance(
     Some((enter, face))
 }
 
+/// How far along a ray one may go before what is within a size of the origin is near: there places have the
+/// digits that squares of them need.
+#[inline]
+pub(crate) fn beside(along: f64, size: f64) -> f64 {
+    (-along - 2.0 * size).max(0.0)
+}
+
 /// Steps towards a round solid; what grazes it takes the most, each about half of the one before.
 #[cfg(feature = "3d")]
 const STEPS: usize = 200;
@@ -60,7 +67,7 @@ pub(crate) fn on_round(
     solid.place(&Pose::IDENTITY, &mut own);
     let point = Solid::ball(0.0);
     // From beside the solid on, where places have the digits that a normal needs.
-    let ahead = (-start.dot(direction) - 2.0 * solid.size).max(0.0);
+    let ahead = beside(start.dot(direction), solid.size);
     let near = start + direction * ahead;
     let mut t = 0.0;
     for _ in 0..STEPS {

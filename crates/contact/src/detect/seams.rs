@@ -95,15 +95,16 @@ impl Seams {
     }
 
     /// Whether what two colliders face each other with is a neighbour's of the one on a side, for
-    /// bodies of a size; beside all that they face each other with.
+    /// bodies of a size; beside all that they face each other with. Of neighbours that are not `felt`, which the
+    /// other one passes through, nothing is covered.
     pub(crate) fn cover<G: Dimension>(
         &self,
         colliders: &[ColliderIn<G>],
-        pair: [usize; 2],
-        side: usize,
+        (pair, side): ([usize; 2], usize),
         (facing, all): (usize, &[Facing<G::Vector>]),
         normal: &G::Vector,
         size: f64,
+        felt: impl Fn(usize) -> bool,
     ) -> bool {
         let facing = &all[facing];
         let (own, part) = (&colliders[pair[side]], facing.parts[side]);
@@ -112,8 +113,6 @@ impl Seams {
         let far = length::<G>(&point);
         let probe = |point: &G::Vector| *point + *normal * (PROBE * size);
         let (shorter, rounding) = ((1.0 - SHORTER) * PROBE * size, ROUNDINGS * far);
-        // What the other one passes through covers nothing.
-        let felt = |other: usize| colliders[other].meets(&colliders[pair[1 - side]]);
         let next = &self.next[pair[side]];
         let covered = |point: &G::Vector| {
             let seen = probe(point);

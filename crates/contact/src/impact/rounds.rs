@@ -1,10 +1,11 @@
 //! The impacts of a step: what closes its gap, and what that brings to close.
 //!
 //! ```text
-//! contact i hits where   g_i + h dg_i (v + k) < 0   and   dg_i v < -max(2 |dg_i k|, still)
+//! contact i hits where   g_i + h dg_i (v + k) < 0   and   dg_i v < -max(2 |dg_i k|, still_i)
 //! ```
-//! `g` gaps (m), `v` the velocity before the increment `k` (m/s), `h` the step (s). Approach of the order of
-//! an increment is rest and has no restitution. A contact that an impact brings to approach takes part in it:
+//! `g` gaps (m), `v` the velocity before the increment `k` (m/s), `h` the step (s), `still` a small part of how
+//! fast the bodies of the contact move where they meet (m/s). Approach of the order of an increment is rest and
+//! has no restitution. A contact that an impact brings to approach takes part in it:
 //! the law is applied again to it and to those that hit before, each with its own restitution, until no
 //! contact is added. So a row of balls that touch passes a blow on, and a stack at rest stays at rest.
 //!
@@ -17,10 +18,10 @@ use stationary_constraints::{RowLaw, VelocityRows};
 
 use crate::impact::jointed::JointedPass;
 use crate::impact::rough::RoughContacts;
-use crate::{ContactError, ContactRows, Impact, ImpactLaw, InverseMass};
+use crate::{ContactError, ContactIn, ContactRows, Dimension, Impact, ImpactLaw, InverseMass};
 
-/// Approach below this part of the largest velocity or increment is rest: gaps have rounding of their
-/// own, which a short step turns into velocity.
+/// Approach below this part of the speed of what meets is rest: gaps have rounding of their own, which a short
+/// step turns into velocity.
 const REST_APPROACH: f64 = 1e-9;
 /// What of it may be left by an impact: velocities after a step have the rounding of its increment, beside
 /// which the impacts of what all but rests are smaller still.
@@ -31,7 +32,8 @@ const SLOW: f64 = 1e-9;
 const PASSES: usize = 20;
 
 /// Contacts about to be stepped over.
-pub(crate) struct ImpactRounds<'a> {
+pub(crate) struct ImpactRounds<'a, G: Dimension> {
+    pub(crate) contacts: &'a [ContactIn<G>],
     /// Normals, and the rows across each; none where nothing rubs.
     pub(crate) rows: &'a ContactRows,
     pub(crate) across: &'a ContactRows,
@@ -59,19 +61,18 @@ pub(crate) struct Given {
     pub(crate) left: f64,
 }
 
-impl ImpactRounds<'_> {
+impl<G: Dimension> ImpactRounds<'_, G> {
     /// Whether there is an impact at all: something that has restitution hits.
     pub(crate) fn hits(&self, v: &Vector<Vec<f64>>) -> bool {
-        let still = self.still(v);
-        (0..self.rows.len()).any(|i| self.restitution[i] > 0.0 && self.hit(i, v, still))
+        (0..self.rows.len()).any(|i| self.restitution[i] > 0.0 && self.hit(i, v))
     }
 
     /// Whether a contact closes in the step, faster than rest.
-    fn hit(&self, i: usize, v: &Vector<Vec<f64>>, still: f64) -> bool {
+    fn hit(&self, i: usize, v: &Vector<Vec<f64>>) -> bool {
         let (own, by_increment) =
             (self.rows.along(i, v.view()), self.rows.along(i, self.increment.view()));
         let reaches = self.gap[i] + self.h * (own + by_increment) < 0.0;
-        reaches && own < -(2.0 * by_increment.abs()).max(still)
+        reaches && own < -(2.0 * by_increment.abs()).max(self.still(i, v))
     }
 
     /// Applies the impacts to the velocity before the increment.
@@ -88,15 +89,14 @@ impl ImpactRounds<'_> {
         let mut closes = vec![false; count];
         // Each round adds a contact.
         for _ in 0..count {
-            let still = self.still(v);
-            let new: Vec<usize> =
-                (0..count).filter(|&i| !closes[i] && self.hit(i, v, still)).collect();
+            let new: Vec<usize> = (0..count).filter(|&i| !closes[i] && self.hit(i, v)).collect();
             if !new.iter().any(|&i| self.restitution[i] > 0.0) {
                 break;
             }
             new.iter().for_each(|&i| closes[i] = true);
             closing.extend(new);
             closing.sort_unstable();
+            let still = closing.iter().map(|&i| self.still(i, v)).fold(0.0, f64::max);
             if self.joints.rows() > 0 {
                 self.reflect_jointed(&closing, LEFT * still, v, &mut given)?;
                 continue;
@@ -118,8 +118,8 @@ impl ImpactRounds<'_> {
                 Err(error) => return Err(error),
             }
         }
-        let left = self.fastest_approach(&closing, v);
-        given.left = if left > self.still(v) { left } else { 0.0 };
+        closing.retain(|&i| -self.rows.along(i, v.view()) > self.still(i, v));
+        given.left = self.fastest_approach(&closing, v);
         Ok(given)
     }
 
@@ -141,10 +141,10 @@ impl ImpactRounds<'_> {
         closing.iter().copied().filter(|&i| self.rows.along(i, v.view()) < -least).collect()
     }
 
-    /// Approach that is rest, m/s.
-    fn still(&self, v: &Vector<Vec<f64>>) -> f64 {
-        let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        REST_APPROACH * (fastest(v) + fastest(self.increment))
+    /// Approach of a contact that is rest, m/s: by its own bodies, whatever goes on elsewhere.
+    fn still(&self, i: usize, v: &Vector<Vec<f64>>) -> f64 {
+        let contact = &self.contacts[i];
+        REST_APPROACH * (contact.speed(&v.0) + contact.speed(&self.increment.0))
     }
 
     fn fastest_approach(&self, closing: &[usize], v: &Vector<Vec<f64>>) -> f64 {

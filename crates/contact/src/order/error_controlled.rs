@@ -247,7 +247,12 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             return Err(StepError::Step(duration).into());
         }
         check_time(state.t + duration)?;
-        let largest = state.q.iter().fold(0.0, |m: f64, q| m.max(q.abs()));
+        // Turns are no lengths.
+        let places = state.q.chunks(G::STORED).flat_map(|q| &q[..G::TRANSLATION.min(q.len())]);
+        let far = places.fold(0.0, |m: f64, x| m.max(x.abs()));
+        let detector = self.world.detector();
+        let radii = (0..detector.bodies()).map(|body| detector.radius_of(body));
+        let largest = radii.fold(far, f64::max);
         if SHARE * self.accuracy < ROUNDINGS * largest {
             return Err(ContactError::Tolerance(self.accuracy));
         }

@@ -12,7 +12,7 @@ use stationary_calculus::{DiagonalMetric, Flat, array};
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarRotation};
 
 use crate::detect::planar_narrow_phase::{facing, facing_parts};
-use crate::detect::ray::entrance;
+use crate::detect::ray::{beside, entrance};
 use crate::error::check_finite;
 use crate::shapes::dimension::{Answer, Closest, Facing, farthest_of_plane, sealed::Sealed};
 use crate::shapes::planar_convert;
@@ -307,9 +307,15 @@ impl Dimension for Planar {
             let ends = points.iter().filter(|_| round > 0.0);
             for end in ends {
                 let disc = parry2d_f64::shape::Ball::new(round);
-                let ray = Ray::new(o - *end, d);
-                if let Some(hit) = disc.cast_local_ray_and_get_normal(&ray, longest, true) {
-                    offer(hit.time_of_impact, Some(planar_convert::from_vector(hit.normal)));
+                // From beside it on, where places have the digits that their squares need.
+                let ahead = beside((o - *end).dot(d), round);
+                let ray = Ray::new(o - *end + d * ahead, d);
+                let rest = longest - ahead;
+                if let Some(hit) = disc.cast_local_ray_and_get_normal(&ray, rest, true) {
+                    offer(
+                        ahead + hit.time_of_impact,
+                        Some(planar_convert::from_vector(hit.normal)),
+                    );
                 }
             }
         }

@@ -16,7 +16,7 @@ use stationary_rigid::{
 
 use crate::detect::facing_points::closest_points;
 use crate::detect::narrow_phase::{Manifolds, facing, facing_polytopes};
-use crate::detect::ray::{entrance, on_round};
+use crate::detect::ray::{beside, entrance, on_round};
 use crate::error::check_finite;
 use crate::shapes::convert;
 use crate::shapes::dimension::{Answer, Closest, Facing, farthest_of_plane, sealed::Sealed};
@@ -344,13 +344,19 @@ impl Dimension for Spatial {
         if let Some(solid) = shape.curved() {
             return on_round(solid, start, direction, longest);
         }
-        let ray = Ray::new(convert::vector(start), convert::vector(direction));
-        let hit = shape.geometry().cast_local_ray_and_get_normal(&ray, longest, true)?;
+        // Of a ball from beside it on; what else there is has flat faces, which lose nothing.
+        let ball = shape.ball_radius();
+        let ahead = ball.map_or(0.0, |radius| beside(start.dot(direction), radius));
+        let near = start + direction * ahead;
+        let ray = Ray::new(convert::vector(&near), convert::vector(direction));
+        let rest = longest - ahead;
+        let hit = shape.geometry().cast_local_ray_and_get_normal(&ray, rest, true)?;
         let normal = convert::from_vector(hit.normal);
         // A mesh has no inside: its normal looks against the ray.
         let against = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        let inside = hit.time_of_impact == 0.0;
-        Some((hit.time_of_impact, if inside { -direction } else { against }))
+        let distance = ahead + hit.time_of_impact;
+        let inside = distance == 0.0;
+        Some((distance, if inside { -direction } else { against }))
     }
 
     fn face(

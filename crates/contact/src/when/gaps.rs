@@ -105,7 +105,8 @@ pub struct FixedBall<const D: usize> {
 }
 
 /// Balls that overlap neither walls, fixed balls nor each other. A ball of radius zero is a point;
-/// points do not meet each other.
+/// points do not meet each other. Where two centres are one place, the normal is the first axis, and gaps do
+/// not bend there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Balls<const D: usize> {
     radii: Vec<f64>,
@@ -193,8 +194,20 @@ fn shortest_between<const D: usize>(d: &[f64; D], s: &[f64; D]) -> Option<f64> {
     (part > 0.0 && part < 1.0).then(|| norm(&there))
 }
 
-/// The second differential of a length, times lambda.
+/// The differential of a length: of none the first axis, as any direction leads out.
+fn outwards<const D: usize>(d: &[f64; D], distance: f64, k: usize) -> f64 {
+    match distance > 0.0 {
+        true => d[k] / distance,
+        false if k == 0 => 1.0,
+        false => 0.0,
+    }
+}
+
+/// The second differential of a length, times lambda; none where there is no length.
 fn bent<const D: usize>(d: &[f64; D], distance: f64, lambda: f64, k: usize, l: usize) -> f64 {
+    if distance == 0.0 {
+        return 0.0;
+    }
     let identity = if k == l { 1.0 } else { 0.0 };
     lambda * (identity - d[k] * d[l] / (distance * distance)) / distance
 }
@@ -265,13 +278,13 @@ impl<const D: usize> Constraint for Balls<D> {
         }
         for (ball, fixed) in self.against_fixed() {
             let (d, distance) = self.away_from_fixed(q, ball, fixed);
-            (0..D).for_each(|k| rows.add(row, D * ball + k, d[k] / distance));
+            (0..D).for_each(|k| rows.add(row, D * ball + k, outwards(&d, distance, k)));
             row += 1;
         }
         for &[a, b] in &self.pairs {
             let (d, distance) = self.apart(q, [a, b]);
-            (0..D).for_each(|k| rows.add(row, D * a + k, -d[k] / distance));
-            (0..D).for_each(|k| rows.add(row, D * b + k, d[k] / distance));
+            (0..D).for_each(|k| rows.add(row, D * a + k, -outwards(&d, distance, k)));
+            (0..D).for_each(|k| rows.add(row, D * b + k, outwards(&d, distance, k)));
             row += 1;
         }
         Ok(())

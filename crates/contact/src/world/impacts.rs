@@ -18,8 +18,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
     ) -> Result<(), ContactError> {
         let Memory { v, increment, hits, joints, touching, .. } = &mut self.memory;
         touching.fill(contacts, q, |contact| contact.gap);
-        let Touching { rows, across, gap, restitution, friction, .. } = &*touching;
+        let Touching { contacts: met, rows, across, gap, restitution, friction } = &*touching;
         let rounds = ImpactRounds {
+            contacts: met,
             rows,
             across,
             gap,

@@ -13,6 +13,7 @@ use stationary_constraints::{RowLaw, VelocityRows};
 use stationary_integrators::State;
 
 use crate::solve::sweeps::AMPLIFICATION;
+use crate::world::islands::has_joints;
 use crate::world::lifting::lifted_part;
 use crate::world::memory::Memory;
 use crate::world::tolerances::ROUNDING;
@@ -153,7 +154,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { joints, lift_bias, lift, v, with_joints, jointed, .. } = &mut self.memory;
+        let Memory { joints, lift_bias, lift, v, islands, with_joints, jointed, .. } =
+            &mut self.memory;
         let JointedMemory { rows, left, room, x, motion, solver, .. } = jointed;
         let RowRoom { own, entries } = room;
         left.clear();
@@ -187,8 +189,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
             x.clear();
             x.resize(rows.rows(), 0.0);
             solver.solve(rows, &mut &self.mass, settled, x, motion.view_mut())?;
-            let part = lifted_part(&self.detector, 0..self.detector.bodies(), &motion.0, h);
-            lift.add_scaled(part, motion.view());
+            let f = G::FREEDOMS;
+            for (members, bodies) in islands.iter() {
+                if !has_joints(members, contacts.len()) {
+                    continue;
+                }
+                let part = lifted_part(&self.detector, bodies.iter().copied(), &motion.0, h);
+                for &body in bodies {
+                    let own = lift.0[f * body..][..f].iter_mut().zip(&motion.0[f * body..]);
+                    own.for_each(|(lift, motion)| *lift += part * motion);
+                }
+            }
         }
         Ok(())
     }

@@ -65,7 +65,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
 }
 
 /// The part of a lift that takes none of these bodies far: what is squeezed would go where gaps are not
-/// linear and nobody has looked.
+/// linear and nobody has looked. Bodies without a shape have no gaps.
 pub(crate) fn lifted_part<G: Dimension>(
     detector: &DetectorIn<G>,
     bodies: impl Iterator<Item = usize>,
@@ -77,5 +77,5 @@ pub(crate) fn lifted_part<G: Dimension>(
         let way = h * speed::<G>(&lift[G::FREEDOMS * body..][..G::FREEDOMS], radius);
         if way > LIFT_REACH * radius { LIFT_REACH * radius / way } else { 1.0 }
     };
-    bodies.map(part).fold(1.0, f64::min)
+    bodies.filter(|&body| detector.radius_of(body) > 0.0).map(part).fold(1.0, f64::min)
 }

@@ -28,7 +28,7 @@ pub struct Painleve {
 
 /// Compliances along the normal that are this part of its own terms are zero.
 const ROUNDING: f64 = 1e-12;
-/// What slides slower than this part of the fastest body rests.
+/// What slides slower than this part of how fast its bodies move there rests.
 const STICKS: f64 = 1e-9;
 
 /// The contact in the paradox whose compliance is least, among those that impulses press.
@@ -39,7 +39,6 @@ pub(crate) fn painleve<G: Dimension>(
     radius: impl Fn(usize) -> f64,
     v: &[f64],
 ) -> Option<Painleve> {
-    let fastest = v.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let mut worst: Option<Painleve> = None;
     for (i, contact) in contacts.iter().enumerate() {
         let moving = contact.bodies.into_iter().flatten().filter(|&body| states[body].moves());
@@ -47,9 +46,8 @@ pub(crate) fn painleve<G: Dimension>(
         if contact.friction < bound.fold(f64::INFINITY, f64::min) || !presses(i) {
             continue;
         }
-        let Some(compliance) = sliding_compliance(contact, states, v, STICKS * fastest) else {
-            continue;
-        };
+        let still = STICKS * contact.speed(v);
+        let Some(compliance) = sliding_compliance(contact, states, v, still) else { continue };
         if compliance <= 0.0 && worst.is_none_or(|worst| compliance < worst.compliance) {
             worst = Some(Painleve { contact: i, compliance });
         }

@@ -101,3 +101,26 @@ fn a_chain_of_eight_hundred_links_hangs_together_where_it_touches_nothing() {
         assert!((speed + expected * 9.81 * h).abs() < 1e-12, "{speed} {expected}");
     }
 }
+
+#[test]
+fn what_held_freedoms_cannot_give_is_not_settled() {
+    let mass = InverseMass::of(&DiagonalMetric::new([1.0, 1.0]).unwrap()).unwrap().holding([1]);
+    let asks = [
+        (RowLaw::Equality, 0.25, 0.25),
+        (RowLaw::Limit, 0.25, 0.25),
+        (RowLaw::Cone(0.5), 0.25, 0.25),
+        // What holds lacks nothing, and nobody asks bounded friction to stop what is held.
+        (RowLaw::Limit, -0.25, 0.0),
+        (RowLaw::Cone(0.5), -0.25, 0.0),
+        (RowLaw::Bounded(1.0), 0.25, 0.0),
+    ];
+    for (law, asked, lacks) in asks {
+        let mut rows = VelocityRows::default();
+        rows.push(law, &[(&[(1, 1.0)], asked)]).unwrap();
+        let (mut x, mut v) = ([0.0], [0.0; 2]);
+        let mut solver = RowsSolver::default();
+        let report = solver.solve(&rows, &mut &mass, 1e-12, &mut x, Vector(&mut v[..])).unwrap();
+        assert_eq!((report.settled, report.residual), (lacks == 0.0, lacks), "{law:?} {asked}");
+        assert_eq!((x, v), ([0.0], [0.0; 2]));
+    }
+}

@@ -275,3 +275,19 @@ fn a_disc_that_rolls_counts_its_whole_turns_at_every_moment() {
         }
     }
 }
+
+#[test]
+fn no_accuracy_is_refused_because_of_how_far_a_small_disc_has_turned() {
+    let size = 1e-6;
+    let disc = PlanarCollider::on_body(0, PlanarShape::disc(size).unwrap());
+    let detector = PlanarDetector::new(vec![disc], 1).unwrap();
+    let metric = DiagonalMetric::new(vec![1e-12, 1e-12, 1e-24]).unwrap();
+    let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![1e-12] };
+    let world = PlanarWorld::new(System::new(metric, weight).unwrap(), detector).unwrap();
+    let mut steps = ErrorControlled::new(world, 1e-6 * size).unwrap();
+    let mut state = State::new(vec![0.0, size, 1000.0], Covector(vec![1e-18, 0.0, 0.0]));
+    steps.advance(&mut state, 1.0).unwrap();
+    let mut state = State::new(vec![100.0, size, 0.0], Covector(vec![1e-18, 0.0, 0.0]));
+    let refused = steps.advance(&mut state, 1.0);
+    assert!(matches!(refused, Err(ContactError::Tolerance(_))), "{refused:?}");
+}

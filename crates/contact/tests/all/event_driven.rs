@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use stationary_calculus::{Covector, DiagonalMetric, Metric, Potential, Sink, System};
 use stationary_contact::{
     Collider, ContactError, Detector, EventDriven, EventKind, FlightOrder, Planar, PlanarCollider,
-    PlanarDetector, PlanarShape, Shape, Spatial, SpatialWorld,
+    PlanarDetector, PlanarShape, PlanarWorld, Shape, Spatial, SpatialWorld,
 };
 use stationary_integrators::State;
 use stationary_measure::loglog_slope;
@@ -324,4 +324,42 @@ fn impacts_of_solids_that_turn_keep_both_momenta_and_gain_no_energy() {
         assert!(off[0] < 1e-12 && off[1] < 1e-9, "{contact_step}: {off:?}");
         assert!(kinetic(&state) < before * (1.0 - 1e-3), "{} {before}", kinetic(&state));
     }
+}
+
+/// Speeds in rad/s and of what is elsewhere are nothing beside which an approach is slow.
+#[test]
+fn a_spin_does_not_hide_how_fast_a_small_disc_comes() {
+    let (r, speed) = (1e-6, 5e-7);
+    let detector = || {
+        let disc = PlanarShape::disc(r).unwrap();
+        let ground = PlanarShape::half_plane(Vector2::y()).unwrap();
+        let colliders = vec![
+            PlanarCollider::on_body(0, disc.clone()).with_restitution(1.0),
+            PlanarCollider::on_body(1, disc),
+            PlanarCollider::fixed(PlanarMotion::identity(), ground),
+        ];
+        PlanarDetector::new(colliders, 2).unwrap()
+    };
+    let moment = 0.5 * r * r;
+    let system = || {
+        let metric = DiagonalMetric::new([1.0, 1.0, moment].repeat(2)).unwrap();
+        let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![1.0; 2] };
+        System::new(metric, weight).unwrap()
+    };
+    let start = || {
+        let p = vec![0.0, -speed, 1e3 * moment, 0.0, 1e3, 0.0];
+        State::new(vec![0.0, 1.5 * r, 0.0, 1.0, 1.0, 0.0], Covector(p))
+    };
+    let mut state = start();
+    let restitution = detector().with_pair([0, 2], 1.0, 0.0).unwrap();
+    let mut events = EventDriven::new(system(), restitution, FlightOrder::Second, 1e-3).unwrap();
+    events.step(&mut state, 2.0).unwrap();
+    assert!((state.p.0[1] - speed).abs() < 1e-9 * speed, "at its instant: {:?}", state.p.0);
+    let mut state = start();
+    let restitution = detector().with_pair([0, 2], 1.0, 0.0).unwrap();
+    let mut world = PlanarWorld::new(system(), restitution).unwrap();
+    for _ in 0..100 {
+        world.step(&mut state, 0.02).unwrap();
+    }
+    assert!((state.p.0[1] - speed).abs() < 1e-9 * speed, "in steps: {:?}", state.p.0);
 }

@@ -173,3 +173,28 @@ fn forces_beside_the_potential_are_part_of_the_velocity_increment() {
     assert!(world.step_under(&mut state, h, &(), &infinite).is_err());
     assert_eq!(state, kept);
 }
+
+/// A box that is sunk into the floor, with a body welded to it that has no shape.
+#[test]
+fn what_overlaps_is_lifted_though_a_jointed_body_has_no_shape() {
+    let half = PlanarShape::cuboid([0.5, 0.5]).unwrap();
+    let ground = PlanarShape::half_plane(Vector2::y()).unwrap();
+    let colliders = vec![
+        PlanarCollider::on_body(0, half),
+        PlanarCollider::fixed(PlanarMotion::identity(), ground),
+    ];
+    let detector = PlanarDetector::new(colliders, 2).unwrap();
+    let mut world = PlanarWorld::new(system(&[[1.0, 0.1]; 2], 9.81), detector).unwrap();
+    let q = vec![0.0, 0.49, 0.0, 0.0, 1.0, 0.0];
+    let end = |k: usize| {
+        let place = [q[3 * k], q[3 * k + 1], q[3 * k + 2]];
+        PlanarEnd::where_it_stands(k, place, Vector2::new(0.0, 0.9))
+    };
+    let weld = PlanarJoint::new(2, PlanarJointKind::Weld, [end(0), end(1)]).unwrap();
+    let mut state = State::new(q.clone(), Covector(vec![0.0; 6]));
+    for _ in 0..200 {
+        world.step_with(&mut state, 1e-3, &Kept(&weld)).unwrap();
+    }
+    assert!((state.q[1] - 0.5).abs() < 1e-5, "{:?}", state.q);
+    assert!(open(&weld, &state.q) < 1e-9);
+}

@@ -273,3 +273,28 @@ fn groups_pass_through_each_other_and_sensors_feel_without_an_impulse() {
     // It rests on the floor with the sensor above: it still reaches into that.
     assert_eq!(felt, [[0, 4]]);
 }
+
+#[test]
+fn rays_keep_their_digits_from_any_distance_and_whatever_the_length_of_their_direction() {
+    let (far, aim) = (1e8, 0.6);
+    let mut ball =
+        Detector::new(vec![Collider::fixed(at(0.0, 0.0, 0.0), Shape::ball(1.0).unwrap())], 0)
+            .unwrap();
+    let hit = ball.cast_ray(&[], Vector3::new(-far, aim, 0.0), Vector3::x(), 2.0 * far);
+    let hit = hit.unwrap().unwrap();
+    assert!((hit.distance - (far - 0.8)).abs() < 1e-7, "{}", hit.distance);
+    assert!((hit.normal - Vector3::new(-0.8, aim, 0.0)).norm() < 1e-7, "{}", hit.normal);
+    assert_eq!(ball.cast_ray(&[], Vector3::new(-far, aim, 0.0), Vector3::x(), 0.9 * far), Ok(None));
+    for length in [1e-300, 1e-160, 1e160, 1e300] {
+        let start = Vector3::new(-3.0, aim, 0.0);
+        let hit = ball.cast_ray(&[], start, Vector3::x() * length, 5.0).unwrap().unwrap();
+        assert!((hit.distance - 2.2).abs() < 1e-12, "{length:e}: {}", hit.distance);
+    }
+    for shape in [PlanarShape::disc(1.0).unwrap(), PlanarShape::capsule(1e-9, 1.0).unwrap()] {
+        let fixed = PlanarCollider::fixed(PlanarMotion::identity(), shape);
+        let mut disc = PlanarDetector::new(vec![fixed], 0).unwrap();
+        let start = Vector2::new(-far, aim);
+        let hit = disc.cast_ray(&[], start, Vector2::x(), 2.0 * far).unwrap().unwrap();
+        assert!((hit.distance - (far - 0.8)).abs() < 1e-7, "{}", hit.distance);
+    }
+}

@@ -286,3 +286,29 @@ fn what_all_passes_of_an_impact_leave_is_said_by_the_report_as_the_closed_form_h
         assert!(friction > 0.0 || (energy - 0.5).abs() < 1e-9, "{energy}");
     }
 }
+
+#[test]
+fn the_report_of_painleves_paradox_does_not_depend_on_the_unit_of_length() {
+    for unit in [1.0, 1.0 / 1_048_576.0, 1e-9] {
+        let rod = PlanarShape::capsule(0.5 * unit, 1e-3 * unit).unwrap();
+        let ground = PlanarShape::half_plane(Vector2::y()).unwrap();
+        let colliders = vec![
+            PlanarCollider::on_body(0, rod).with_friction(3.0),
+            PlanarCollider::fixed(PlanarMotion::identity(), ground).with_friction(3.0),
+        ];
+        let moment = unit * unit / 12.0;
+        let metric = DiagonalMetric::new(vec![1.0, 1.0, moment]).unwrap();
+        let weight = PlanarWeight { gravity: Vector2::new(0.0, -9.81 * unit), masses: vec![1.0] };
+        let system = System::new(metric, weight).unwrap();
+        let detector = PlanarDetector::new(colliders, 1).unwrap();
+        let mut world = PlanarWorld::new(system, detector).unwrap();
+        let (angle, spin) = (1.1_f64, -50.0);
+        let arm = Vector2::new(angle.cos(), angle.sin()) * (-0.5 * unit);
+        // The lower end slides slowly, beside a spin in rad/s that is large.
+        let v = Vector2::new(spin * arm.y + 0.02 * unit, -spin * arm.x);
+        let q = vec![0.0, 1e-3 * unit - arm.y, angle];
+        let mut state = State::new(q, Covector(vec![v.x, v.y, moment * spin]));
+        let report = world.step(&mut state, 1e-4).unwrap();
+        assert!(report.painleve.is_some(), "{unit:e}");
+    }
+}

@@ -221,3 +221,21 @@ fn what_touches_a_corner_of_a_sheet_is_found_whatever_its_turn() {
         }
     }
 }
+
+/// A wall, and in front of it a curtain through which a disc passes by what it was told of the pair.
+#[test]
+fn what_a_disc_passes_through_does_not_hide_the_wall_behind_it() {
+    let at =
+        |x: f64| PlanarMotion { translation: Vector2::new(x, 0.0), ..PlanarMotion::identity() };
+    let shape = |half: f64| PlanarShape::cuboid([half, 1.0]).unwrap();
+    let colliders = vec![
+        PlanarCollider::on_body(0, PlanarShape::disc(0.2).unwrap()),
+        PlanarCollider::fixed(at(0.5), shape(0.5)),
+        PlanarCollider::fixed(at(-0.05), shape(0.1)),
+    ];
+    let detector = PlanarDetector::new(colliders, 1).unwrap();
+    let mut detector = detector.without_pair([0, 2]).unwrap();
+    let found = detector.detect(&[-0.2001, 0.0, 0.0], 0.01).unwrap();
+    assert_eq!(found.len(), 1);
+    assert!((found[0].gap - 1e-4).abs() < 1e-12, "{}", found[0].gap);
+}

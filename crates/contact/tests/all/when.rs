@@ -1,8 +1,8 @@
 //! A ball that falls and bounces, for each choice of when the impulse is given (notes 11.4).
 
-use stationary_calculus::{Covector, DiagonalMetric, System};
+use stationary_calculus::{Covector, DiagonalMetric, Potential, Sink, System};
 use stationary_contact::{
-    Balls, ContactError, FixedBall, ImpactLaw, Impacting, Inequality, Wall, When,
+    Balls, ContactError, FixedBall, ImpactLaw, Impacting, Inequality, OneSidedPenalty, Wall, When,
 };
 use stationary_integrators::{State, UniformGravity};
 use stationary_measure::loglog_slope;
@@ -265,4 +265,23 @@ fn a_particle_that_clears_a_ball_by_a_millimetre_meets_nothing_however_long_the_
             assert_eq!(impacts, expected, "{clearance} {steps}");
         }
     }
+}
+
+#[test]
+fn balls_with_one_centre_are_pushed_apart_along_the_first_axis() {
+    let fixed = FixedBall { centre: [1.0, 2.0], radius: 0.5 };
+    let balls = Balls::<2>::new(vec![0.5, 0.25], vec![]).unwrap().with_fixed(vec![fixed]).unwrap();
+    let q = [1.0, 2.0, 1.0, 2.0];
+    let penalty = OneSidedPenalty::new(Inequality(balls), 3.0).unwrap();
+    let mut force = [0.0; 4];
+    penalty.add_differential(&q, Covector(&mut force[..]));
+    // Gaps of -1, -0.75 and -0.75; the second ball is pushed on by the first and the fixed one.
+    assert_eq!(force, [-0.75, 0.0, -4.5, 0.0]);
+    struct Finite;
+    impl Sink for Finite {
+        fn add_symmetric(&mut self, _: &[usize], block: &[f64]) {
+            assert!(block.iter().all(|entry| entry.is_finite()), "{block:?}");
+        }
+    }
+    penalty.add_hessian(&q, &mut Finite);
 }

@@ -2,7 +2,7 @@
 //!
 //! The rules are those of the front page of `event_driven.rs`.
 
-use stationary_calculus::{Metric, Potential, Vector};
+use stationary_calculus::{Metric, Potential};
 
 use super::{EVENTS, EventDriven, EventDrivenReport, SKIN};
 use crate::error::check_finite;
@@ -14,7 +14,7 @@ use crate::order::flight_forces::FlightForces;
 use crate::order::pieces::Motion;
 use crate::{ContactError, Dimension, Touch};
 
-/// Velocities and increments below this part of the largest are rounding: what touches and is neither
+/// Velocities and increments below this part of those of the bodies that touch are rounding: what touches and is neither
 /// pressed together nor approaches may go on in flight.
 const STILL: f64 = 1e-9;
 
@@ -120,6 +120,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         );
         let Touching { contacts, rows, across, gap, friction, restitution } = &self.touching;
         let rounds = ImpactRounds {
+            contacts,
             rows,
             across,
             gap,
@@ -155,10 +156,9 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             self.events.push(Event { time, kind: EventKind::Impact, bodies, energy });
             self.pushes.extend(self.touching.pushed(&given).map(|touch| (time, touch)));
         }
-        let fastest = |v: &Vector<Vec<f64>>| v.0.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let still = STILL * fastest(&self.v);
-        let pressed = STILL * fastest(&self.increment);
         let leaves = |i: usize| {
+            let still = STILL * contacts[i].speed(&self.v.0);
+            let pressed = STILL * contacts[i].speed(&self.increment.0);
             let own = rows.along(i, self.v.view());
             let by_force = rows.along(i, self.increment.view());
             own > 2.0 * by_force.abs() || (own >= -still && by_force >= -pressed)
