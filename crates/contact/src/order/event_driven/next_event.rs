@@ -14,8 +14,8 @@ use crate::order::flight_forces::FlightForces;
 use crate::order::pieces::Motion;
 use crate::{ContactError, Dimension, Touch};
 
-/// Velocities and increments below this part of those of the bodies that touch are rounding: what touches and is neither
-/// pressed together nor approaches may go on in flight.
+/// Velocities and increments below this part of those of the bodies that touch are rounding: what touches and is
+/// neither pressed together nor approaches may go on in flight.
 const STILL: f64 = 1e-9;
 
 /// What to do next with what touches.
