@@ -65,7 +65,13 @@ const ALLOWED: &[(&str, &[Outside])] = &[
     ),
     (
         "import",
-        &[Always("nalgebra"), Always("thiserror"), Optional("mjcf-rs"), Optional("urdf-rs")],
+        &[
+            Always("nalgebra"),
+            Always("thiserror"),
+            Optional("mjcf-rs"),
+            Optional("roxmltree"),
+            Optional("urdf-rs"),
+        ],
     ),
     // The program's; a library that takes its crates by feature has none of them.
     (
