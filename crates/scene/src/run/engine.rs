@@ -25,7 +25,7 @@ use crate::run::stepper::{Stepped, Stepper};
 use crate::text::limits;
 
 /// The part of a step over which the tensions at the start are means: the second such part.
-const FIRST_PART: f64 = 1.0 / 64.0;
+const SMALL_PART: f64 = 1.0 / 64.0;
 
 /// Everything that a run needs: a scene's state, what steps it, and what takes samples of it.
 ///
@@ -179,7 +179,7 @@ impl Engine<'_> {
     fn feel_the_start(&mut self, h: f64) -> Result<(), CheckpointError> {
         let is_asked = |observable: &Observable| matches!(observable, Observable::Tension(_));
         if self.scene.observables.iter().any(is_asked) {
-            let (before, part) = (self.before(), FIRST_PART * h);
+            let (before, part) = (self.before(), SMALL_PART * h);
             // The first step of the constrained Hamilton principle bears half of what bends the path.
             let _ = self.step(part, part).and_then(|_| self.step(part, 2.0 * part));
             self.load(&before)?;

@@ -16,7 +16,7 @@ use crate::assemble::body_system::{InSpace, InThePlane, ends_in_space, ends_in_t
 use crate::assemble::error::AssemblyError;
 use crate::model::items::SceneJoint;
 use crate::model::scene::Scene;
-use crate::run::samples::BrokenRod;
+use crate::run::samples::{BrokenRod, whole_rods};
 
 /// What holds bodies, beside contacts.
 pub(crate) struct JointSet {
@@ -129,8 +129,7 @@ impl JointSet {
 
     /// Goes back to where these rods had broken.
     pub(crate) fn restore(&mut self, broken: &[BrokenRod]) {
-        let whole = |rod: &usize| broken.iter().all(|broken| broken.rod != *rod);
-        self.left = (0..self.rods.len()).filter(whole).collect();
+        self.left = whole_rods(self.rods.len(), broken);
     }
 }
 

@@ -22,7 +22,7 @@ use crate::run::equal::Equal;
 use crate::run::error::{Interruption, RunError, StepFailure, unknown};
 use crate::run::observer::Observer;
 use crate::run::recorder::{Failed, Recorder};
-use crate::run::samples::{BrokenRod, Run, Samples};
+use crate::run::samples::{BrokenRod, Run, Samples, whole_rods};
 use crate::run::stepper::Stepper;
 
 impl Scene {
@@ -174,9 +174,7 @@ impl<const D: usize> Recorder for ParticleRecorder<'_, D> {
     }
 
     fn restore(&mut self, broken: &[BrokenRod]) {
-        self.left.clear();
-        let is_left = |rod: &usize| broken.iter().all(|broken| broken.rod != *rod);
-        self.left.extend((0..self.tensions.len()).filter(is_left));
+        self.left = whole_rods(self.tensions.len(), broken);
         self.broken.clear();
         self.broken.extend_from_slice(broken);
     }

@@ -29,6 +29,11 @@ pub struct BrokenRod {
     pub tension: f64,
 }
 
+/// Which of so many rods are left.
+pub(crate) fn whole_rods(rods: usize, broken: &[BrokenRod]) -> Vec<usize> {
+    (0..rods).filter(|rod| broken.iter().all(|broken| broken.rod != *rod)).collect()
+}
+
 /// The impacts of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impacts {

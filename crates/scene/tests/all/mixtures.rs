@@ -377,3 +377,16 @@ fn a_spring_and_a_damper_at_a_joint_turn_a_disc_as_the_closed_form_says() {
         }
     }
 }
+
+#[test]
+fn a_particle_beside_a_body_has_its_velocity_in_a_table_and_points_of_the_body_have_not() {
+    let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.5\nhorizon = 1\n\
+                particles = [{ name = \"p\", mass = 1, position = [0, 0], velocity = [1, 2] }]\n\
+                bodies = [{ name = \"b\", mass = 1, box = [1, 1], position = [5, 0] }]";
+    let run = Scene::parse("a.toml", text).unwrap().run().unwrap();
+    let out = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("beside");
+    run.write(&out).unwrap();
+    let table = std::fs::read_to_string(out.join("velocity.csv")).unwrap();
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert_eq!(rows, ["0.0,p,1.0,2.0", "0.5,p,1.0,2.0", "1.0,p,1.0,2.0"]);
+}
