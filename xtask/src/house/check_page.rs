@@ -167,19 +167,20 @@ fn look(
 ) -> Result<Vec<Complaint>, CheckError> {
     let url = format!("file://{}", page.display());
     let &View { name, width, height, scheme } = view;
-    browser.call(
-        "Emulation.setDeviceMetricsOverride",
-        json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 640 }),
-    )?;
-    let preference = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
-    browser.call("Emulation.setEmulatedMedia", json!({ "features": preference }))?;
+    open_window(browser, width, height)?;
+    // A page that scrolls smoothly answers a second and a half after it is told where to go.
+    let preferences = json!([
+        { "name": "prefers-color-scheme", "value": scheme },
+        { "name": "prefers-reduced-motion", "value": "reduce" },
+    ]);
+    browser.call("Emulation.setEmulatedMedia", json!({ "features": preferences }))?;
     browser.take_events();
     browser.call("Page.navigate", json!({ "url": url }))?;
     browser.wait_for("Page.loadEventFired")?;
 
     let answer = browser.evaluate(include_str!("check_page/probe.js"))?;
     let seen: Seen = serde_json::from_value(answer)?;
-    photograph(browser, &seen, &screenshots.join(name))?;
+    photograph(browser, view, seen.height, &screenshots.join(name))?;
     let mute = is_mute(browser)?;
     let mute_to_keys = is_mute_to_keys(browser)?;
 
@@ -196,6 +197,15 @@ fn look(
         complaints.push(Complaint::Heavy { view: view(), elements: seen.elements });
     }
     Ok(complaints)
+}
+
+/// Gives the page a window of a size in pixels.
+fn open_window(browser: &mut Browser, width: u64, height: u64) -> Result<(), CheckError> {
+    let mobile = width < 640;
+    let size =
+        json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile });
+    browser.call("Emulation.setDeviceMetricsOverride", size)?;
+    Ok(())
 }
 
 /// What the probe says of the page.
@@ -278,19 +288,25 @@ fn is_mute_to_keys(browser: &mut Browser) -> Result<bool, CheckError> {
 /// The browser cannot take a taller picture at once.
 const TALLEST: u64 = 8000;
 
-/// Writes `name.png`, and `name-2.png`, ... for what is below.
-fn photograph(browser: &mut Browser, seen: &Seen, name: &Path) -> Result<(), CheckError> {
-    for (i, top) in (0..seen.height.max(1)).step_by(TALLEST as usize).enumerate() {
-        let height = TALLEST.min(seen.height.max(1) - top);
-        let clip = json!({ "x": 0, "y": top, "width": seen.width, "height": height, "scale": 1 });
-        let params = json!({ "format": "png", "captureBeyondViewport": true, "clip": clip });
+/// Writes `name.png`, and `name-2.png`, ... for what is below: of a window as tall as it may be, as a picture of what
+/// no window shows has the whole page laid out anew.
+fn photograph(
+    browser: &mut Browser,
+    view: &View,
+    page_height: u64,
+    name: &Path,
+) -> Result<(), CheckError> {
+    open_window(browser, view.width, page_height.clamp(1, TALLEST))?;
+    for (i, top) in (0..page_height.max(1)).step_by(TALLEST as usize).enumerate() {
+        browser.evaluate(&format!("scrollTo(0, {top})"))?;
+        let params = json!({ "format": "png", "optimizeForSpeed": true });
         let picture = browser.call("Page.captureScreenshot", params)?;
         let bytes = from_base64(picture["data"].as_str().unwrap_or(""));
         let number = if i == 0 { String::new() } else { format!("-{}", i + 1) };
         let file = PathBuf::from(format!("{}{number}.png", name.display()));
         fs::write(&file, bytes).map_err(at(&file))?;
     }
-    Ok(())
+    open_window(browser, view.width, view.height)
 }
 
 /// Bytes of a base64 text (RFC 4648); other letters are passed over.
