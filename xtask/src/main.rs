@@ -7,7 +7,7 @@ use clap::{Parser, Subcommand};
 use stationary::program::{end_with_the_reader, failed, time};
 use stationary_scene::Scene;
 use stationary_scene::choose::Question;
-use xtask::check_page::check_page;
+use xtask::check_page::check_pages;
 use xtask::choosing;
 use xtask::cost::{Build, Cost, cost, table};
 use xtask::kernels::kernels;
@@ -67,11 +67,11 @@ enum Task {
     },
     /// Times the hot kernels as this workspace tunes its benches and as Cargo's own profile builds them.
     Kernels,
-    /// Opens a page in headless Chromium and complains about what a reader would.
+    /// Opens pages in headless Chromium and complains about what a reader would.
     CheckPage {
-        /// The page, or a folder with index.html.
-        #[arg(default_value = "target/report")]
-        page: PathBuf,
+        /// Pages, or folders with index.html.
+        #[arg(value_name = "PAGE", default_value = "target/report")]
+        pages: Vec<PathBuf>,
     },
 }
 
@@ -158,7 +158,7 @@ fn main() -> ExitCode {
                 ExitCode::SUCCESS
             })
             .map_err(Failure::from),
-        Task::CheckPage { page } => run_check_page(&page),
+        Task::CheckPage { pages } => run_check_pages(&pages),
     };
     done.unwrap_or_else(|error| failed(&error.to_string()))
 }
@@ -269,9 +269,12 @@ fn run_cost(build: Build) -> Result<ExitCode, Failure> {
     Ok(verdict(costs.iter().filter_map(Cost::complaint)))
 }
 
-fn run_check_page(page: &Path) -> Result<ExitCode, Failure> {
-    let complaints = check_page(page)?;
-    Ok(verdict(complaints.iter().map(ToString::to_string)))
+fn run_check_pages(pages: &[PathBuf]) -> Result<ExitCode, Failure> {
+    let complaints = check_pages(pages)?;
+    let lines = pages.iter().zip(&complaints).flat_map(|(page, complaints)| {
+        complaints.iter().map(move |complaint| format!("{}: {complaint}", page.display()))
+    });
+    Ok(verdict(lines))
 }
 
 /// Failure where there is anything to say, and says it.

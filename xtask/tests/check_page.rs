@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use xtask::check_page::{Complaint, check_page};
+use xtask::check_page::{Complaint, check_pages};
 
 const VIEWS: [&str; 6] =
     ["desk-light", "desk-dark", "laptop-light", "tablet-light", "phone-light", "phone-dark"];
@@ -17,7 +17,7 @@ fn complaints(name: &str, body: &str) -> Vec<Complaint> {
     let page =
         format!("<!doctype html><html lang=en><head>{head}</head><body>{body}</body></html>");
     fs::write(folder.join("index.html"), page).unwrap();
-    let complaints = check_page(&folder).unwrap();
+    let complaints = check_pages(&[&folder]).unwrap().concat();
     for view in VIEWS {
         assert!(folder.join(format!("screenshots/{view}.png")).exists());
     }

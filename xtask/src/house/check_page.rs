@@ -1,8 +1,8 @@
-//! Opens the report's page in a browser and complains about what a reader would.
+//! Opens pages, the report's and those of runs, in a browser and complains about what a reader would.
 //!
 //! On a desk and on a phone, in light and in dark: a console message, a request to anywhere, a
 //! sideways scroll, text that is too small, covered or cut, a chart that answers neither the
-//! pointer nor the arrow keys. Screenshots of all four are left beside the page.
+//! pointer nor the arrow keys. Screenshots of all views are left beside the page.
 
 mod browser;
 
@@ -119,11 +119,17 @@ const VIEWS: [View; 6] = [
     View { name: "phone-dark", width: 390, height: 844, scheme: "dark" },
 ];
 
-/// Checks a page, or the `index.html` of a folder, and writes `screenshots` beside it.
+/// Checks pages, or the `index.html` of folders, one after the other in one browser, and writes `screenshots` beside
+/// each: the complaints of each.
 ///
 /// # Errors
 /// What prevents looking; what is seen is a complaint.
-pub fn check_page(page: &Path) -> Result<Vec<Complaint>, CheckError> {
+pub fn check_pages(pages: &[impl AsRef<Path>]) -> Result<Vec<Vec<Complaint>>, CheckError> {
+    let mut browser = Browser::start()?;
+    pages.iter().map(|page| check(&mut browser, page.as_ref())).collect()
+}
+
+fn check(browser: &mut Browser, page: &Path) -> Result<Vec<Complaint>, CheckError> {
     let page = if page.is_dir() { page.join("index.html") } else { page.to_owned() };
     let page = page.canonicalize().map_err(at(&page))?;
     let folder = page.parent().unwrap_or(&page);
@@ -132,9 +138,8 @@ pub fn check_page(page: &Path) -> Result<Vec<Complaint>, CheckError> {
     fs::create_dir_all(&screenshots).map_err(at(&screenshots))?;
     let mut complaints: Vec<Complaint> =
         outside_references(&text).into_iter().map(Complaint::Reference).collect();
-    let mut browser = Browser::start()?;
     for view in &VIEWS {
-        complaints.extend(look(&mut browser, view, &page, &screenshots)?);
+        complaints.extend(look(browser, view, &page, &screenshots)?);
     }
     Ok(complaints)
 }

@@ -81,6 +81,7 @@ studies! {
             forced: [FORCED],
             joint_coordinates: [JOINT_COORDINATES],
             published: [PUBLISHED],
+            small_motions: [SMALL_MOTIONS],
         }
         contact {
             laws: [IMPACT_LAWS],
@@ -123,6 +124,7 @@ studies! {
             border: [STUDY],
             maximum: [STUDY],
             distance: [STUDY],
+            largest: [STUDY],
         }
     }
     besides {
