@@ -21,6 +21,9 @@ use crate::multipliers::DEPENDENT;
 use crate::rows::{add_pulled_back, check_entries};
 use crate::{Constraint, ConstraintError, Rows};
 
+/// What an error calls the rows of the constraint.
+const DIFFERENTIAL: &str = "differential";
+
 /// What a function does on the surface about a critical point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -164,9 +167,17 @@ fn multipliers(
     let mut df = DVector::zeros(n);
     f.add_differential(q, Covector(df.as_mut_slice()));
     let j = differential(constraint, q, n)?;
+    if let Some(index) = first_non_finite(df.as_slice()) {
+        return Err(ConstraintError::NonFinite { what: "differential of the function", index });
+    }
+    let index = unfinished_freedom(&j);
     let closest = least_norm(&j.transpose(), &df, DEPENDENT);
-    let what = "differential";
-    Ok(closest.map_err(|_| ConstraintError::NonFinite { what, index: 0 })?.x)
+    Ok(closest.map_err(|_| ConstraintError::NonFinite { what: DIFFERENTIAL, index })?.x)
+}
+
+/// The freedom of the first entry that is no number; the first where all are, and what is made of them overflows.
+fn unfinished_freedom(j: &DMatrix<f64>) -> usize {
+    first_non_finite(j.as_slice()).map_or(0, |entry| entry / j.nrows().max(1))
 }
 
 fn differential(
@@ -216,8 +227,8 @@ fn on_tangent_space(
         entries /= constraint.scale(row).slope;
     }
     let spectrum = least_norm(&j, &DVector::zeros(m), 0.0).map(|solution| solution.singular_values);
-    let what = "differential";
-    let sigma = spectrum.map_err(|_| ConstraintError::NonFinite { what, index: 0 })?;
+    let index = unfinished_freedom(&j);
+    let sigma = spectrum.map_err(|_| ConstraintError::NonFinite { what: DIFFERENTIAL, index })?;
     let ratio =
         if m > n { 0.0 } else { sigma.iter().next_back().map_or(1.0, |s| s / sigma[0].max(1.0)) };
     if ratio < DEPENDENT || ratio.is_nan() {
@@ -392,6 +403,9 @@ mod tests {
         let held = Linear::new(vec![(vec![(0, 1.0), (1, 1.0)], 0.0)]).unwrap();
         let error = critical_point(&Roots, &held, &[0.0, 0.0], Newton::default()).unwrap_err();
         assert!(matches!(error, ConstraintError::NonFinite { .. }), "{error}");
+        let error = critical_point(&Roots, &held, &[0.3, f64::NAN], Newton::default()).unwrap_err();
+        let what = "differential of the function";
+        assert_eq!(error, ConstraintError::NonFinite { what, index: 1 });
     }
 
     #[test]

@@ -173,7 +173,10 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
             self.rotation[row] = from_fn(|column| f64::from(row == column));
         }
         if !self.orthogonalize() {
-            return Err(ConstraintError::NonFinite { what: DIFFERENTIAL, index: 0 });
+            let turned = self.turned[..self.count].iter();
+            let index = turned.filter_map(|row| first_non_finite(row.components())).next();
+            let index = index.unwrap_or(0);
+            return Err(ConstraintError::NonFinite { what: DIFFERENTIAL, index });
         }
         self.examine()?;
         self.prepared = true;

@@ -25,7 +25,7 @@ use std::cmp::Ordering;
 use nalgebra::{DMatrix, DVector, SMatrix};
 use stationary_calculus::{
     Covector, DenseMetric, DiagonalMetric, Energy, MetricError, Number, Vector, array,
-    directional_derivative, least_norm,
+    directional_derivative, first_non_finite, least_norm,
 };
 use stationary_integrators::{DiscreteLagrangian, Facts, Stability, VARIATIONAL};
 
@@ -103,13 +103,14 @@ impl<Q: Embedding<S, N>, E: Energy<N>, const S: usize, const N: usize> Reduced<Q
     ///
     /// # Errors
     /// [`ConstraintError::SingularCoordinates`] where the differential has not full rank, and
-    /// [`ConstraintError::NonFinite`] where it is not finite.
+    /// [`ConstraintError::NonFinite`] where it is not finite, with the place.
     pub fn metric(&self, s: [f64; S]) -> Result<DenseMetric, ConstraintError> {
         let d = self.differential(s);
         let rooted = DMatrix::from_fn(N, S, |i, j| self.masses[i].sqrt() * d[(i, j)]);
         let what = "embedding's differential";
+        let index = first_non_finite(rooted.as_slice()).map_or(0, |entry| entry % N.max(1));
         let spectrum = least_norm(&rooted, &DVector::zeros(N), 0.0)
-            .map_err(|_| ConstraintError::NonFinite { what, index: 0 })?
+            .map_err(|_| ConstraintError::NonFinite { what, index })?
             .singular_values;
         let ratio = if S > N { 0.0 } else { spectrum.min() / spectrum.max() };
         let singular = ConstraintError::SingularCoordinates { ratio };

@@ -14,7 +14,9 @@
 //! Heavy particles move less than light ones: a Euclidean projection would push on both alike and
 //! change linear momentum. Source: notes 6.3; errata 6.3 (velocities are projected as well).
 
-use stationary_calculus::{Covector, Metric, Potential, SizeError, Space, Storage, System, Vector};
+use stationary_calculus::{
+    Covector, Metric, Potential, SizeError, Space, Storage, System, Vector, first_non_finite,
+};
 use stationary_integrators::State;
 
 use crate::checks::{check_sizes, check_state, zeros};
@@ -218,10 +220,10 @@ where
         solver.solve(impulse)?;
         solver.add_pulled_back(-1.0, impulse, state.p.view_mut());
         solver.share(impulse)?;
-        if largest(state.p.components()).is_finite() {
-            return Ok(());
+        match first_non_finite(state.p.components()) {
+            Some(index) => Err(ConstraintError::NonFinite { what: "momentum", index }),
+            None => Ok(()),
         }
-        Err(ConstraintError::NonFinite { what: "momentum", index: 0 })
     }
 
     /// An error unless the velocity stays on the feasible set; prepares the solver there.

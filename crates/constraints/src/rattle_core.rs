@@ -16,7 +16,9 @@
 
 mod passage;
 
-use stationary_calculus::{Covector, Metric, Potential, Space, Storage, System, Vector};
+use stationary_calculus::{
+    Covector, Metric, Potential, Space, Storage, System, Vector, first_non_finite,
+};
 use stationary_integrators::{Saved, State, StepError};
 
 use crate::checks::{
@@ -257,7 +259,8 @@ where
                 continue;
             }
             if distance.is_nan() && iterations == 0 {
-                return Err(ConstraintError::NonFinite { what: "constraint", index: 0 });
+                let index = first_non_finite(g).unwrap_or(0);
+                return Err(ConstraintError::NonFinite { what: "constraint", index });
             }
             flight.check(&self.scales, (g, relative), regularity)?;
             let stands_still = distance > 0.5 * last;

@@ -1,6 +1,6 @@
 //! What can go wrong in this crate.
 
-use stationary_calculus::SizeError;
+use stationary_calculus::{MetricError, SizeError};
 use stationary_constraints::ConstraintError;
 use stationary_integrators::StepError;
 use stationary_rigid::RigidError;
@@ -205,6 +205,14 @@ pub enum ContactError {
     #[cfg(feature = "2d")]
     #[error(transparent)]
     Outline(#[from] stationary_mesh::MeshError),
+}
+
+impl From<MetricError> for ContactError {
+    /// Of masses that stand alone; of a matrix the first freedom is named.
+    fn from(error: MetricError) -> Self {
+        let freedom = if let MetricError::NotAMass { freedom, .. } = error { freedom } else { 0 };
+        ContactError::Mass { freedom }
+    }
 }
 
 /// An error unless a step ends at a time.

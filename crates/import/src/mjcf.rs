@@ -38,9 +38,9 @@ fn motion(name: &str, pose: &mjcf_rs::Pose) -> Result<RigidMotion, ImportError> 
 /// # Errors
 /// [`ImportError`] of what is not read, names nothing, has no mass, or cannot be told.
 pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description, ImportError> {
+    let PassedOver { left_out, weightless } = passed_over(text, folder.as_ref())?;
     let model = Model::from_str(text, &folder)
         .map_err(|error| ImportError::Syntax { format: "MJCF", message: error.to_string() })?;
-    let PassedOver { left_out, weightless } = passed_over(text, folder.as_ref())?;
     let (compiler, option) = (&model.compiler, &model.option);
     if compiler.set_total_mass > 0.0 || compiler.bound_mass > 0.0 || compiler.bound_inertia > 0.0 {
         let name = "settotalmass, boundmass or boundinertia".to_owned();

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use mjcf_rs::Model;
 use roxmltree::{Document, Node};
 
 use crate::ImportError;
@@ -23,6 +24,10 @@ const SWITCHES: [&str; 9] = [
     "filterparent",
 ];
 
+/// Models that are parts of others, one in the other and all together, at most: the reader reads each anew.
+const DEEPEST: usize = 16;
+const MOST: usize = 256;
+
 /// What only the file itself says.
 #[derive(Debug, Default)]
 pub(crate) struct PassedOver {
@@ -38,16 +43,42 @@ struct File {
     text: String,
 }
 
-/// What a class says of where its shapes are: a place, a turn, or two ends.
+/// The files of the models that a model is part of, and how many were read.
+#[derive(Default)]
+struct Above {
+    files: Vec<PathBuf>,
+    read: usize,
+}
+
+/// A model that another names, to attach bodies of it.
+struct Attachable {
+    name: String,
+    path: PathBuf,
+    file: File,
+}
+
+/// What is said of a shape by itself or by a class.
+#[derive(Clone, Debug, Default)]
+struct Said {
+    /// Whether a place, a turn, two ends.
+    pose: [bool; 3],
+    /// How many numbers of its size.
+    sizes: usize,
+    kind: Option<String>,
+    mesh: bool,
+}
+
+/// What a class says of its shapes.
 #[derive(Clone, Debug, Default)]
 struct Class {
     above: Option<String>,
-    says: [bool; 3],
+    said: Said,
 }
 
 /// What the reader passes over in a text and in the files that it names in `folder`.
 pub(crate) fn passed_over(text: &str, folder: &Path) -> Result<PassedOver, ImportError> {
-    model(text.to_owned(), String::new(), folder.to_owned(), &mut HashSet::new())
+    let file = File { name: String::new(), folder: folder.to_owned(), text: text.to_owned() };
+    model(file, &mut Above::default())
 }
 
 fn document(text: &str) -> Result<Document<'_>, ImportError> {
@@ -56,32 +87,39 @@ fn document(text: &str) -> Result<Document<'_>, ImportError> {
 }
 
 /// A model of one file and of those that it includes; classes are its own.
-fn model(
-    text: String,
-    name: String,
-    folder: PathBuf,
-    seen: &mut HashSet<PathBuf>,
-) -> Result<PassedOver, ImportError> {
-    let mut files = vec![File { name, folder, text }];
-    let mut parts = Vec::new();
+fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
+    let (mut files, mut parts, mut seen) = (vec![first], Vec::new(), HashSet::new());
     let mut next = 0;
     while let Some(file) = files.get(next) {
         let (folder, mut more) = (file.folder.clone(), Vec::new());
         let read = document(&file.text)?;
         for node in read.descendants() {
             let Some(name) = node.attribute("file") else { continue };
-            let into = match node.tag_name().name() {
-                "include" => &mut more,
-                "model" => &mut parts,
-                _ => continue,
-            };
             let path = folder.join(name);
-            // A file that is not there is the reader's to refuse.
-            if let Some(text) =
-                seen.insert(path.clone()).then(|| fs::read_to_string(&path).ok()).flatten()
-            {
-                let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
-                into.push(File { name: format!(" of {name}"), folder, text });
+            let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
+            let text = fs::read_to_string(&path);
+            let path = path.canonicalize().unwrap_or(path);
+            let file = |text| File { name: format!(" of {name}"), folder, text };
+            let refused = |what| ImportError::Unsupported { what, name: name.to_owned() };
+            match node.tag_name().name() {
+                "include" if !seen.insert(path.clone()) => {
+                    return Err(refused("a file that is included twice"));
+                }
+                // One that is not there is the reader's to refuse.
+                "include" => more.extend(text.ok().map(file)),
+                "model" => {
+                    if above.files.contains(&path) {
+                        return Err(refused("a model that is a part of itself"));
+                    }
+                    above.read += 1;
+                    if above.files.len() == DEEPEST || above.read > MOST {
+                        return Err(refused("so many models as parts of others"));
+                    }
+                    let text = text.map_err(|_| refused("a model whose file cannot be read"))?;
+                    let name = node.attribute("name").unwrap_or(name).to_owned();
+                    parts.push(Attachable { name, path, file: file(text) });
+                }
+                _ => {}
             }
         }
         files.extend(more);
@@ -105,17 +143,55 @@ fn model(
             told(node, &place, &mut out);
         }
     }
-    for part in parts {
-        out.left_out.extend(model(part.text, part.name, part.folder, seen)?.left_out);
+    let mut attachable = HashMap::new();
+    for Attachable { name, path, file } in parts {
+        above.files.push(path);
+        out.left_out.extend(model(file, above)?.left_out);
+        // Now that it ends: a reader would follow a model that is a part of itself for ever.
+        if let Some(path) = above.files.pop() {
+            let read = Model::from_file(&path).map_err(|error| ImportError::Syntax {
+                format: "MJCF",
+                message: format!("{name}: {error}"),
+            })?;
+            attachable.insert(name, read);
+        }
+    }
+    for node in read.iter().flat_map(Document::descendants) {
+        if node.has_tag_name("attach") {
+            check_attached(node, &attachable)?;
+        }
     }
     Ok(out)
 }
 
-/// What a shape says itself of where it is.
-fn says(geom: Node<'_, '_>) -> [bool; 3] {
+/// The reader passes over what it does not find.
+fn check_attached(
+    node: Node<'_, '_>,
+    attachable: &HashMap<String, Model>,
+) -> Result<(), ImportError> {
+    let [model, body] = ["model", "body"].map(|what| node.attribute(what).unwrap_or(""));
+    let name = format!("body `{body}` of model `{model}`");
+    let Some(found) = attachable.get(model) else {
+        return Err(ImportError::Unsupported { what: "a model that is not named", name });
+    };
+    // The first is the world.
+    let mut bodies = found.bodies.iter().skip(1);
+    if bodies.any(|one| one.body.name.as_deref() == Some(body)) {
+        return Ok(());
+    }
+    Err(ImportError::Unsupported { what: "a body that the attached model has not", name })
+}
+
+/// What a shape says itself.
+fn said(geom: Node<'_, '_>) -> Said {
     let turns = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
     let turned = turns.iter().any(|turn| geom.has_attribute(*turn));
-    [geom.has_attribute("pos"), turned, geom.has_attribute("fromto")]
+    Said {
+        pose: [geom.has_attribute("pos"), turned, geom.has_attribute("fromto")],
+        sizes: geom.attribute("size").map_or(0, |size| size.split_whitespace().count()),
+        kind: geom.attribute("type").map(str::to_owned),
+        mesh: geom.has_attribute("mesh"),
+    }
 }
 
 fn class(node: Node<'_, '_>, above: Option<&str>, classes: &mut HashMap<String, Class>) {
@@ -123,23 +199,28 @@ fn class(node: Node<'_, '_>, above: Option<&str>, classes: &mut HashMap<String, 
     let own = classes.entry(name.to_owned()).or_default();
     own.above = above.filter(|above| *above != name).map(str::to_owned);
     for geom in node.children().filter(|child| child.has_tag_name("geom")) {
-        let said = says(geom);
-        own.says = [0, 1, 2].map(|k| own.says[k] || said[k]);
+        let more = said(geom);
+        own.said = Said {
+            pose: [0, 1, 2].map(|k| own.said.pose[k] || more.pose[k]),
+            sizes: own.said.sizes.max(more.sizes),
+            kind: more.kind.or(own.said.kind.take()),
+            mesh: own.said.mesh || more.mesh,
+        };
     }
     for below in node.children().filter(|child| child.has_tag_name("default")) {
         class(below, Some(name), classes);
     }
 }
 
-/// What a shape and its classes say of where it is, its own words first.
-fn levels(geom: Node<'_, '_>, classes: &HashMap<String, Class>) -> Vec<[bool; 3]> {
+/// What a shape and its classes say, its own words first.
+fn levels(geom: Node<'_, '_>, classes: &HashMap<String, Class>) -> Vec<Said> {
     let ambient = || geom.ancestors().find_map(|above| above.attribute("childclass"));
     let mut name = geom.attribute("class").or_else(ambient).unwrap_or("main");
-    let mut out = vec![says(geom)];
+    let mut out = vec![said(geom)];
     // No chain is longer than all classes, even where they go in a circle.
     for _ in 0..=classes.len() {
         let own = classes.get(name);
-        out.extend(own.map(|class| class.says));
+        out.extend(own.map(|class| class.said.clone()));
         match own.and_then(|class| class.above.as_deref()) {
             Some(above) => name = above,
             None if name != "main" => name = "main",
@@ -169,6 +250,9 @@ fn refused(node: Node<'_, '_>, classes: &HashMap<String, Class>) -> Option<&'sta
         "compiler" if node.has_attribute("inertiagrouprange") => {
             Some("masses of some groups of shapes")
         }
+        "compiler" if node.attribute("balanceinertia") == Some("true") => {
+            Some("moments that the compiler balances")
+        }
         "geom" => {
             let hollow = node.attribute("shellinertia") == Some("true");
             let weighed = |body: Node<'_, '_>| body.children().any(|c| c.has_tag_name("inertial"));
@@ -179,18 +263,43 @@ fn refused(node: Node<'_, '_>, classes: &HashMap<String, Class>) -> Option<&'sta
                 return None;
             }
             let levels = levels(node, classes);
-            if levels.iter().any(|says| says[2]) {
-                // Two ends say all of the pose.
-                return inside("frame").then_some("ends of a shape in a frame");
-            }
-            // The reader takes the whole pose of the first level that says anything of it.
-            let mut saying = levels.iter().skip_while(|says| !(says[0] || says[1]));
-            let first = saying.next()?;
-            let more = saying.any(|says| (says[0] && !first[0]) || (says[1] && !first[1]));
-            more.then_some("a pose that is partly of a class")
+            shape_refused(&levels).or_else(|| {
+                if levels.iter().any(|said| said.pose[2]) {
+                    // Two ends say all of the pose.
+                    return inside("frame").then_some("ends of a shape in a frame");
+                }
+                // The reader takes the whole pose of the first level that says anything of it.
+                let poses = levels.iter().map(|said| said.pose);
+                let mut saying = poses.skip_while(|says| !(says[0] || says[1]));
+                let first = saying.next()?;
+                let more = saying.any(|says| (says[0] && !first[0]) || (says[1] && !first[1]));
+                more.then_some("a pose that is partly of a class")
+            })
         }
         _ => None,
     }
+}
+
+/// Why a shape would be another one: the reader takes all of a size from the first level that says anything of it,
+/// and fits nothing to a mesh.
+fn shape_refused(levels: &[Said]) -> Option<&'static str> {
+    let kind = levels.iter().find_map(|said| said.kind.as_deref()).unwrap_or("sphere");
+    let between_ends = levels.iter().any(|said| said.pose[2]);
+    let needed = match kind {
+        "sphere" => 1,
+        "capsule" | "cylinder" if between_ends => 1,
+        "capsule" | "cylinder" => 2,
+        "box" | "ellipsoid" if between_ends => 2,
+        "box" | "ellipsoid" => 3,
+        _ => 0,
+    };
+    let mut sizes = levels.iter().map(|said| said.sizes).filter(|sizes| *sizes > 0);
+    let first = sizes.next().unwrap_or(needed);
+    if first < needed && sizes.any(|more| more > first) {
+        return Some("a size that is partly of a class");
+    }
+    let fitted = kind != "mesh" && levels.iter().any(|said| said.mesh);
+    fitted.then_some("a shape that is fitted to a mesh")
 }
 
 /// Forces that the scene has not.

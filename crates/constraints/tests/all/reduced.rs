@@ -142,10 +142,26 @@ impl Embedding<2, 3> for Globe {
 
 struct Free;
 
-impl Energy<3> for Free {
-    fn energy<R: Number>(&self, _: [R; 3]) -> R {
+impl<const N: usize> Energy<N> for Free {
+    fn energy<R: Number>(&self, _: [R; N]) -> R {
         R::from(0.0)
     }
+}
+
+#[test]
+fn the_place_that_has_no_slope_is_named() {
+    /// The second place is the root of the second coordinate.
+    struct Root;
+    impl Embedding<2, 2> for Root {
+        fn places<R: Number>(&self, [x, y]: [R; 2]) -> [R; 2] {
+            [x, y.sqrt()]
+        }
+    }
+    let root = Reduced::new(Root, [1.0; 2], Free, Sampling::Both).unwrap();
+    assert!(root.metric([0.0, 1.0]).is_ok());
+    let error = root.metric([0.0, 0.0]).map(|_| ()).unwrap_err();
+    let what = "embedding's differential";
+    assert_eq!(error, ConstraintError::NonFinite { what, index: 1 });
 }
 
 #[test]

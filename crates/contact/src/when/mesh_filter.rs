@@ -93,8 +93,7 @@ impl MeshFilter {
             }
             edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
         }
-        let metric = DiagonalMetric::particles::<3>(&masses)
-            .map_err(|_| ContactError::Mass { freedom: 0 })?;
+        let metric = DiagonalMetric::particles::<3>(&masses)?;
         let held = (0..3 * vertices).filter(|freedom| pinned[freedom / 3]);
         let mass = InverseMass::of(&metric)?.holding(held.collect::<Vec<_>>());
         let edges = edges.into_iter().collect();

@@ -60,9 +60,7 @@ impl Arch {
         let ground = PlanarCollider::fixed(PlanarMotion::identity(), ground);
         colliders.push(ground.with_friction(self.friction));
         let gravity = Vector2::new(0.0, -self.gravity);
-        let metric =
-            DiagonalMetric::new(inertias).map_err(|_| ContactError::Mass { freedom: 0 })?;
-        let system = System::new(metric, PlanarWeight { gravity, masses })?;
+        let system = System::new(DiagonalMetric::new(inertias)?, PlanarWeight { gravity, masses })?;
         let detector = PlanarDetector::new(colliders, self.wedges)?;
         let rest = vec![0.0; q.len()];
         Ok((World::new(system, detector)?, State::new(q, Covector(rest))))

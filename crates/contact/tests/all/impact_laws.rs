@@ -198,3 +198,13 @@ fn an_impact_that_hits_its_bound_carries_its_residual_and_leaves_the_velocity() 
     v.0[3] = f64::NAN;
     assert!(law.apply(&cradle.impact().unwrap(), v.view_mut()).is_err());
 }
+
+#[test]
+fn a_mass_that_is_none_is_named_and_no_balls_meet() {
+    let mut cradle = newtons_cradle(3, 1);
+    cradle.masses[1] = -1.0;
+    assert_eq!(cradle.impact().unwrap_err(), ContactError::Mass { freedom: 1 });
+    for (balls, moving) in [(0, 0), (1, 1)] {
+        assert!(newtons_cradle(balls, moving).impact().unwrap().is_empty());
+    }
+}

@@ -251,6 +251,18 @@ fn what_the_reader_of_models_takes_for_another_is_refused_with_its_line() {
             "<compiler inertiagrouprange=\"0 1\"/>".to_owned() + &body(geom),
             "masses of some groups of shapes (`compiler, line 1`)",
         ),
+        (
+            "<compiler balanceinertia=\"true\"/>".to_owned() + &body(geom),
+            "moments that the compiler balances (`compiler, line 1`)",
+        ),
+        (
+            classes(turned) + &body(r#"<geom size="0.2"/>"#),
+            "a size that is partly of a class (`geom, line 2`)",
+        ),
+        (
+            body(r#"<geom type="sphere" size="0.1" mesh="m"/>"#),
+            "a shape that is fitted to a mesh (`geom, line 2`)",
+        ),
     ];
     for (text, expected) in wrong {
         let text = format!("<mujoco>{text}</mujoco>");
@@ -261,6 +273,7 @@ fn what_the_reader_of_models_takes_for_another_is_refused_with_its_line() {
         classes(turned) + &body(r#"<geom pos="0 0 -1"/>"#),
         classes(turned) + &body(r#"<geom class="a" pos="0 0 -1" euler="0 0 90"/>"#),
         classes(turned) + &body(&rod.replace("<geom", "<geom class=\"a\"")),
+        classes(turned) + &body(r#"<geom type="sphere" size="0.2" pos="0 0 -1"/>"#),
         body(&format!("<frame pos=\"1 0 0\">{geom}</frame>")),
         body(
             r#"<inertial pos="1 0 0" mass="1" diaginertia="1 1 1"/><geom size="0.1" shellinertia="true"/>"#,
@@ -299,10 +312,80 @@ fn files_that_a_model_includes_are_searched_too() {
     let model = r#"<mujoco><include file="part.xml"/><worldbody>
       <body name="a"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#;
     let read = scene_of_mjcf(model, &folder);
-    let inside = model.replace("<freejoint/>", r#"<freejoint/><include file="part.xml"/>"#);
+    let include = r#"<include file="part.xml"/>"#;
+    let inside =
+        model.replace(include, "").replace("<freejoint/>", &format!("<freejoint/>{include}"));
     let refused = scene_of_mjcf(&inside, &folder);
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(read.unwrap().left_out, ["`density` of option, line 2 of part.xml".to_owned()]);
     let error = refused.unwrap_err().to_string();
     assert!(error.contains("a file inside of an element (`include, line 2`)"), "{error}");
+}
+
+/// The reader follows a model that is a part of itself until its stack is full, and passes over what it does not find.
+#[test]
+fn models_whose_bodies_are_attached_are_there_and_no_part_of_themselves() {
+    let folder = std::env::temp_dir().join(format!("stationary-attach-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("parts")).unwrap();
+    let part = r#"<mujoco><worldbody><body name="tip"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#;
+    let naming = |file: &str| {
+        part.replace(
+            "<worldbody>",
+            &format!(r#"<asset><model name="m" file="{file}"/></asset><worldbody>"#),
+        )
+    };
+    let files = [
+        ("part.xml", part.to_owned()),
+        ("itself.xml", naming("../parts/itself.xml")),
+        ("here.xml", naming("there.xml")),
+        ("there.xml", naming("here.xml")),
+        ("broken.xml", part.replace("0.1", "wide")),
+        (
+            "twice.xml",
+            part.replace(
+                "<worldbody>",
+                &(r#"<include file="part.xml"/>"#.repeat(2) + "<worldbody>"),
+            ),
+        ),
+    ];
+    let write =
+        |name: &str, text: &str| std::fs::write(folder.join("parts").join(name), text).unwrap();
+    files.iter().for_each(|(name, text)| write(name, text));
+    // Each names the next one twice: a billion readings.
+    for k in 0..30 {
+        let next = format!(r#"<model name="x" file="tree{}.xml"/>"#, k + 1);
+        write(
+            &format!("tree{k}.xml"),
+            &naming("part.xml").replace("<asset>", &("<asset>".to_owned() + &next.repeat(2))),
+        );
+    }
+    write("tree30.xml", part);
+    let attached = |file: &str, body: &str| {
+        let model = format!(
+            r#"<mujoco><asset><model name="m" file="parts/{file}"/></asset>
+            <worldbody><attach model="m" body="{body}" prefix="a_"/></worldbody></mujoco>"#
+        );
+        scene_of_mjcf(&model, &folder)
+    };
+    let whole = attached("part.xml", "tip");
+    let refused = [
+        ("itself.xml", "tip", "a model that is a part of itself"),
+        ("here.xml", "tip", "a model that is a part of itself"),
+        ("absent.xml", "tip", "a model whose file cannot be read"),
+        ("part.xml", "top", "a body that the attached model has not"),
+        ("broken.xml", "tip", "not readable as MJCF: m: "),
+        ("twice.xml", "tip", "a file that is included twice"),
+        ("tree0.xml", "tip", "so many models as parts of others"),
+    ]
+    .map(|(file, body, why)| (attached(file, body), why));
+    let unnamed = r#"<mujoco><worldbody><attach model="m" body="tip"/></worldbody></mujoco>"#;
+    let unnamed = scene_of_mjcf(unnamed, &folder);
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(whole.unwrap().text.contains("a_tip"));
+    for (refused, why) in refused {
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains(why), "{why}: {error}");
+    }
+    let error = unnamed.unwrap_err().to_string();
+    assert!(error.contains("a model that is not named"), "{error}");
 }

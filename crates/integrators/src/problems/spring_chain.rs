@@ -75,12 +75,13 @@ impl Potential for SpringChain {
 
     #[inline]
     fn add_hessian(&self, q: &[f64], hessian: &mut impl Sink) {
-        let (k, n) = (self.stiffness, q.len());
+        let k = self.stiffness;
+        let Some(last) = q.len().checked_sub(1) else { return };
         hessian.add_symmetric(&[0], &[k]);
-        for i in 1..n {
-            hessian.add_symmetric(&[i - 1, i], &[k, -k, -k, k]);
+        for i in 0..last {
+            hessian.add_symmetric(&[i, i + 1], &[k, -k, -k, k]);
         }
-        hessian.add_symmetric(&[n - 1], &[k]);
+        hessian.add_symmetric(&[last], &[k]);
     }
 }
 

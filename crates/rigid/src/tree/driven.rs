@@ -140,6 +140,7 @@ impl Kicks {
 fn speedless(error: TreeError) -> StepError {
     match error {
         TreeError::Singular { .. } => StepError::SingularLegendreTransform,
+        TreeError::NonFinite { index, .. } => StepError::NonFiniteMomentum { freedom: index },
         _ => StepError::NonFiniteMomentum { freedom: 0 },
     }
 }

@@ -29,9 +29,7 @@ const ROUNDING: f64 = 1e-12;
 /// The error of the height between the first and the second bounce, from a fall of 1 m.
 fn error(when: When, h: f64) -> Result<f64, ContactError> {
     let weight = UniformGravity { acceleration: [-GRAVITY], masses: vec![1.0] };
-    let mass = |_| ContactError::Mass { freedom: 0 };
-    let metric = DiagonalMetric::new(vec![1.0]).map_err(mass)?;
-    let system = System::new(metric, weight)?;
+    let system = System::new(DiagonalMetric::new(vec![1.0])?, weight)?;
     let wall = Wall { normal: [1.0], offset: 0.0 };
     let gaps = Inequality(Balls::new(vec![RADIUS], vec![wall])?);
     let law = ImpactLaw::GeneralizedReflections;

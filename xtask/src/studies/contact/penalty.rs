@@ -32,8 +32,7 @@ fn impact(k: f64, h: f64, part: f64) -> Result<(f64, f64), ContactError> {
     let wall = Wall { normal: [1.0], offset: 0.0 };
     let gaps = Inequality(Balls::new(vec![RADIUS], vec![wall])?);
     let spring = OneSidedPenalty::new(gaps, k)?;
-    let metric = DiagonalMetric::new(vec![1.0]).map_err(|_| ContactError::Mass { freedom: 0 })?;
-    let system = System::new(metric, spring)?;
+    let system = System::new(DiagonalMetric::new(vec![1.0])?, spring)?;
     let mut verlet = StormerVerlet::new(&system)?;
     let mut state = State::new(vec![RADIUS + part * h], Covector(vec![-1.0]));
     let (mut deepest, steps) = (0.0_f64, 20 + (10.0 / (h * k.sqrt())) as usize);

@@ -155,8 +155,7 @@ impl FrictionProblem {
     /// # Errors
     /// Those of [`RowsSolver::solve`].
     pub fn solve(&self, tolerance: f64) -> Result<(Vec<f64>, RowsReport), ContactError> {
-        let metric = DiagonalMetric::new(self.mass.clone())
-            .map_err(|_| ContactError::Mass { freedom: 0 })?;
+        let metric = DiagonalMetric::new(self.mass.clone())?;
         let mut mass = InverseMass::of(&metric)?;
         let mut v = Vector(self.free.clone());
         let mut x = vec![0.0; self.rows.rows()];

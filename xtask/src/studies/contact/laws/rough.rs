@@ -91,8 +91,7 @@ fn disc_after(thrown: &Thrown, mu: f64) -> Option<[f64; 3]> {
 /// The velocity after, how many passes, and how far an impulse is outside of its cone.
 fn hit(law: ImpactLaw, thrown: &Thrown, mu: f64) -> Result<([f64; 3], usize, f64), ContactError> {
     let masses = [1.0, 1.0, thrown.inertia];
-    let metric =
-        DiagonalMetric::new(masses.to_vec()).map_err(|_| ContactError::Mass { freedom: 0 })?;
+    let metric = DiagonalMetric::new(masses.to_vec())?;
     let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![1.0] };
     let floor = PlanarShape::half_plane(Vector2::y())?;
     let body = PlanarCollider::on_body(0, thrown.shape.clone()?).with_restitution(RESTITUTION);

@@ -51,8 +51,7 @@ impl Scene {
             colliders.push(PlanarCollider::fixed(PlanarMotion::identity(), ground));
         }
         let diagonal = bodies.iter().flat_map(|b| [b.mass, b.mass, moment(b)]).collect();
-        let metric =
-            DiagonalMetric::new(diagonal).map_err(|_| ContactError::Mass { freedom: 0 })?;
+        let metric = DiagonalMetric::new(diagonal)?;
         let gravity = Vector2::new(0.0, -case.gravity);
         let weight = PlanarWeight { gravity, masses: bodies.iter().map(|b| b.mass).collect() };
         let mut detector = PlanarDetector::new(colliders, bodies.len())?;
