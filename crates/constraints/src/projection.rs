@@ -20,7 +20,7 @@ use stationary_calculus::{
 use stationary_integrators::State;
 
 use crate::checks::{check_sizes, check_state, zeros};
-use crate::feasible::{Flight, Scales, largest, rounding};
+use crate::feasible::{Flight, Scales, rounding};
 use crate::{Constraint, ConstraintError, ConstraintOn, Multipliers, Solver};
 
 /// More iterations than this are a configuration too far away.
