@@ -130,6 +130,13 @@ mod tests {
     }
 
     #[test]
+    fn a_chain_of_no_masses_has_no_second_differential() {
+        let chain = SpringChain { masses: 0, stiffness: 2.5 };
+        let mut no_room = stationary_calculus::DenseSink::new(1.0, 0, &mut []).unwrap();
+        chain.add_hessian(&[], &mut no_room);
+    }
+
+    #[test]
     fn each_mode_is_an_eigenvector_of_the_force() {
         for masses in [2, 5, 40] {
             let chain = SpringChain { masses, stiffness: 3.0 };
