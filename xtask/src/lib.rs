@@ -5,7 +5,7 @@
 //! - [`choosing`]: random questions to `choose`, judged by the scene's own motion.
 //!
 //! The checks of the house, in a folder of their own:
-//! - [`check_page`]: opens the report's page in a browser and complains about what a reader would.
+//! - [`check_page`]: opens pages in a browser and complains about what a reader would.
 //! - [`layers`]: which crate may depend on what.
 //! - [`readme`]: the README of each crate from its front page.
 //! - [`mentions`]: the studies of a crate on its page of the docs.

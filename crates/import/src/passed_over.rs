@@ -94,33 +94,35 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
         let (folder, mut more) = (file.folder.clone(), Vec::new());
         let read = document(&file.text)?;
         for node in read.descendants() {
+            let tag = node.tag_name().name();
             let Some(name) = node.attribute("file") else { continue };
+            if !["include", "model"].contains(&tag) {
+                continue;
+            }
             let path = folder.join(name);
             let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
             let text = fs::read_to_string(&path);
             let path = path.canonicalize().unwrap_or(path);
             let file = |text| File { name: format!(" of {name}"), folder, text };
             let refused = |what| ImportError::Unsupported { what, name: name.to_owned() };
-            match node.tag_name().name() {
-                "include" if !seen.insert(path.clone()) => {
+            if tag == "include" {
+                if !seen.insert(path) {
                     return Err(refused("a file that is included twice"));
                 }
                 // One that is not there is the reader's to refuse.
-                "include" => more.extend(text.ok().map(file)),
-                "model" => {
-                    if above.files.contains(&path) {
-                        return Err(refused("a model that is a part of itself"));
-                    }
-                    above.read += 1;
-                    if above.files.len() == DEEPEST || above.read > MOST {
-                        return Err(refused("so many models as parts of others"));
-                    }
-                    let text = text.map_err(|_| refused("a model whose file cannot be read"))?;
-                    let name = node.attribute("name").unwrap_or(name).to_owned();
-                    parts.push(Attachable { name, path, file: file(text) });
-                }
-                _ => {}
+                more.extend(text.ok().map(file));
+                continue;
             }
+            if above.files.contains(&path) {
+                return Err(refused("a model that is a part of itself"));
+            }
+            above.read += 1;
+            if above.files.len() == DEEPEST || above.read > MOST {
+                return Err(refused("so many models as parts of others"));
+            }
+            let text = text.map_err(|_| refused("a model whose file cannot be read"))?;
+            let name = node.attribute("name").unwrap_or(name).to_owned();
+            parts.push(Attachable { name, path, file: file(text) });
         }
         files.extend(more);
         next += 1;
