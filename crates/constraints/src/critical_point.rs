@@ -170,13 +170,13 @@ fn multipliers(
     if let Some(index) = first_non_finite(df.as_slice()) {
         return Err(ConstraintError::NonFinite { what: "differential of the function", index });
     }
-    let index = unfinished_freedom(&j);
+    let index = freedom_not_finite(&j);
     let closest = least_norm(&j.transpose(), &df, DEPENDENT);
     Ok(closest.map_err(|_| ConstraintError::NonFinite { what: DIFFERENTIAL, index })?.x)
 }
 
 /// The freedom of the first entry that is no number; the first where all are, and what is made of them overflows.
-fn unfinished_freedom(j: &DMatrix<f64>) -> usize {
+fn freedom_not_finite(j: &DMatrix<f64>) -> usize {
     first_non_finite(j.as_slice()).map_or(0, |entry| entry / j.nrows().max(1))
 }
 
@@ -227,7 +227,7 @@ fn on_tangent_space(
         entries /= constraint.scale(row).slope;
     }
     let spectrum = least_norm(&j, &DVector::zeros(m), 0.0).map(|solution| solution.singular_values);
-    let index = unfinished_freedom(&j);
+    let index = freedom_not_finite(&j);
     let sigma = spectrum.map_err(|_| ConstraintError::NonFinite { what: DIFFERENTIAL, index })?;
     let ratio =
         if m > n { 0.0 } else { sigma.iter().next_back().map_or(1.0, |s| s / sigma[0].max(1.0)) };

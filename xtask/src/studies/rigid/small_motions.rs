@@ -88,7 +88,7 @@ fn of_two(masses: [f64; 2]) -> [f64; 2] {
     [2.0 * k[0] * k[1] / (b + root), (b + root) / (2.0 * a)]
 }
 
-/// Those of equal links, of 1 kg each, by the angles from hanging.
+/// Those of equal links, of 1 kg each, by the mass and stiffness matrices of the angles from hanging.
 fn of_equal(n: usize) -> Option<Vec<f64>> {
     let length = 2.0 * HALF;
     let below = |k: usize| (n - 1 - k) as f64;
@@ -138,6 +138,12 @@ fn study(size: Size) -> Result<Study, StudyError> {
     };
     let known = worst(&|ratio| (0.9e-9..1.1e9).contains(&ratio));
     let (heavy, light) = (worst(&|ratio| ratio > 0.9), worst(&|ratio| ratio < 1.1e-18));
+    let losing: Vec<_> = rows
+        .iter()
+        .filter(|(ratio, _)| (0.9e-14..1.1e-5).contains(ratio))
+        .map(|(ratio, off)| (*ratio, off[0].max(off[1])))
+        .collect();
+    let loss = loglog_slope(&losing).unwrap_or(f64::NAN);
     let (mut errors, mut walls) = (Vec::new(), Vec::new());
     for &n in counts {
         let masses = vec![1.0; n];
@@ -174,10 +180,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
     ];
     Ok(Study {
         conclusion: format!(
-            "Links that hang from one another on hinges, as bodies in full coordinates whose joints are rows, against \
-             closed forms in their angles. Equal links are known to {equal:.0e}, and the work grows with the cube of \
-             them. A heavy link below a light one costs no digit. A light one below a heavy one costs \
-             as many as the root of the ratio has. Up to masses 1e9 apart \
+            "Links that hang from one another on hinges, as bodies in full coordinates whose joints are rows: two \
+             against their closed form, equal ones against the matrices in their angles. Equal links are known to \
+             {equal:.0e}, and the work grows with the cube of them. A heavy link below a light one costs no digit. A \
+             light one below a heavy one costs as many as the root of the ratio has. Up to masses 1e9 apart \
              {known:.0e} is lost, from 1e18 on {light:.0e}."
         ),
         table,
@@ -194,6 +200,12 @@ fn study(size: Size) -> Result<Study, StudyError> {
                 "below 1e-13",
                 heavy,
                 (0.0, 1e-13),
+            ),
+            Claim::number(
+                "a lighter one costs digits: the error grows as the ratio to a power",
+                "-0.5",
+                loss,
+                (-0.65, -0.35),
             ),
             Claim::number(
                 "a lower link lighter by 1e18 and more: off by a part of more than",
