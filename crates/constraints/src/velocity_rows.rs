@@ -172,12 +172,26 @@ impl VelocityRows {
 
     /// Appends the blocks of other rows, with what they ask for.
     pub fn extend(&mut self, more: &VelocityRows) {
+        self.extend_in_units(more, |_| 1.0);
+    }
+
+    /// Appends the blocks of other rows, those of a block multiplied by what is said of its first row, finite and
+    /// above zero: `s u` and `s w`, with the impulse and its bound divided by `s`.
+    pub fn extend_in_units(&mut self, more: &VelocityRows, scale: impl Fn(usize) -> f64) {
         let (rows, entries) = (self.rows(), self.entries.len());
-        self.laws.extend_from_slice(&more.laws);
         self.blocks.extend(more.blocks[1..].iter().map(|end| rows + end));
         self.starts.extend(more.starts[1..].iter().map(|end| entries + end));
-        self.entries.extend_from_slice(&more.entries);
-        self.asked.extend_from_slice(&more.asked);
+        for (law, block) in more.blocks() {
+            let scale = scale(block.start);
+            self.laws.push(match law {
+                RowLaw::Bounded(bound) => RowLaw::Bounded(bound / scale),
+                _ => law,
+            });
+            for row in block {
+                self.entries.extend(more.row(row).map(|(freedom, value)| (freedom, scale * value)));
+                self.asked.push(scale * more.asked(row));
+            }
+        }
     }
 
     /// Appends the rows of a constraint, which ask for these numbers with their signs turned.
@@ -341,6 +355,19 @@ mod tests {
         }
         let laws: Vec<_> = both.blocks().collect();
         assert_eq!(laws[1..], [(RowLaw::Limit, 2..3), (RowLaw::Equality, 3..4)]);
+    }
+
+    #[test]
+    fn a_bound_is_that_of_the_impulse_in_the_units_of_its_row() {
+        let mut rows = VelocityRows::default();
+        rows.push(RowLaw::Bounded(3.0), &[(&[(0, 1.0)], 0.5)]).unwrap();
+        rows.push(RowLaw::Cone(0.5), &[(&[(1, 1.0)], 0.1), (&[(2, -1.0)], 0.0)]).unwrap();
+        let mut doubled = VelocityRows::default();
+        doubled.extend_in_units(&rows, |row| if row == 0 { 2.0 } else { 4.0 });
+        let mut expected = VelocityRows::default();
+        expected.push(RowLaw::Bounded(1.5), &[(&[(0, 2.0)], 1.0)]).unwrap();
+        expected.push(RowLaw::Cone(0.5), &[(&[(1, 4.0)], 0.4), (&[(2, -4.0)], 0.0)]).unwrap();
+        assert_eq!(doubled, expected);
     }
 
     #[test]

@@ -50,6 +50,7 @@ mod rolling;
 pub(crate) mod painleve;
 mod standing;
 pub(crate) mod push_apart;
+mod end_of_arm;
 pub(crate) mod joints;
 pub(crate) mod jointed;
 #[cfg(feature = "2d")]

@@ -16,7 +16,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         h: f64,
         report: &mut WorldReport,
     ) -> Result<(), ContactError> {
-        let Memory { v, increment, hits, joints, touching, .. } = &mut self.memory;
+        let Memory { v, increment, hits, jointed, touching, .. } = &mut self.memory;
         touching.fill(contacts, q, |contact| contact.gap);
         let Touching { contacts: met, rows, across, gap, restitution, friction } = &*touching;
         let rounds = ImpactRounds {
@@ -27,7 +27,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             restitution,
             friction,
             mass: &self.mass,
-            joints,
+            joints: &jointed.measured,
             law: self.law,
             increment,
             h,

@@ -6,13 +6,14 @@
 //! J d = -g,  dg d >= -(what is left of gaps) closing joints after the step
 //! J' v = -dg/dt                              velocities where the step ends, as chosen steps want them
 //! ```
-//! Energy that joints take is paid at the mean of the velocities before and after, as that of contacts.
+//! Rows of turns are measured at the end of an arm (`end_of_arm.rs`). Energy that joints take is paid at the mean of the velocities before and after, as that of contacts.
 
 use stationary_calculus::{Metric, Potential, Space, Vector};
 use stationary_constraints::{RowLaw, VelocityRows};
 use stationary_integrators::State;
 
 use crate::solve::sweeps::AMPLIFICATION;
+use crate::world::end_of_arm;
 use crate::world::islands::has_joints;
 use crate::world::lifting::lifted_part;
 use crate::world::memory::Memory;
@@ -23,7 +24,7 @@ use crate::{
 
 /// How often joints are closed after a step, at most: each round squares what is left.
 const CLOSINGS: usize = 8;
-/// Openings of joints that are rounding, m.
+/// Openings of joints that are rounding, in parts of the arm or of the farthest place.
 const CLOSED: f64 = 1e-14;
 /// Joints that stay open by more than this part of what the step opened contradict each other, or contacts
 /// keep them from closing: the step is not settled.
@@ -39,6 +40,9 @@ pub(crate) struct Closed {
 /// What steps with joints write.
 #[derive(Debug, Default)]
 pub(crate) struct JointedMemory {
+    /// The arm at the end of which what turns is measured, m, and the rows of joints over a step as measured there.
+    arm: f64,
+    pub(super) measured: VelocityRows,
     /// Rows that are solved together, their impulses, the motion that they lead to, and who solves them.
     rows: VelocityRows,
     x: Vec<f64>,
@@ -46,6 +50,8 @@ pub(crate) struct JointedMemory {
     solver: RowsSolver,
     /// What is left of the gaps of the contacts that are solved with joints.
     left: VelocityRows,
+    /// What joints ask for that are open, m or rad.
+    open: VelocityRows,
     room: RowRoom,
     /// The bodies that a block of rows names.
     named: Vec<usize>,
@@ -73,8 +79,11 @@ impl<G: Dimension, P: Potential> World<G, P> {
         jointed.left.clear();
         from.velocity_rows(state.t, &state.q, h, joints)?;
         joints.check(self.mass.dim())?;
+        let JointedMemory { arm, measured, named, .. } = jointed;
+        *arm = end_of_arm::arm(joints, &self.detector);
+        measured.clear();
+        end_of_arm::append::<G>(joints, *arm, measured);
         // The movable bodies that each block names, two by two; one past the last stands for what does not move.
-        let named = &mut jointed.named;
         for (_, block) in joints.blocks() {
             let bodies = block.flat_map(|row| joints.row(row)).map(|(f, _)| f / G::FREEDOMS);
             named.clear();
@@ -100,9 +109,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let Memory {
             joints, joint_impulses, v, before, bias, impulses, with_joints, jointed, ..
         } = &mut self.memory;
-        let JointedMemory { rows, room, x, solver, .. } = jointed;
+        let JointedMemory { arm, measured, rows, room, x, solver, .. } = jointed;
         rows.clear();
-        rows.extend(joints);
+        rows.extend(measured);
         x.clear();
         x.resize(rows.rows(), 0.0);
         for &i in &*with_joints {
@@ -110,9 +119,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let directions = G::directions(&contacts[i].normal);
             x.extend(directions.as_ref().iter().map(|along| G::dot(&impulses[i], along)));
         }
-        // Rows of turns have rates that bodies' speeds say nothing of.
         let fastest =
-            joints.blocks().map(|(law, block)| match joints.lack(block.start, v.view()) {
+            measured.blocks().map(|(law, block)| match measured.lack(block.start, v.view()) {
                 lack if law == RowLaw::Limit => (-lack).max(0.0),
                 lack => lack.abs(),
             });
@@ -124,9 +132,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         report.residual = report.residual.max(done.residual);
         report.coulomb = report.coulomb.max(done.friction_residual);
         let (held, pushed) = x.split_at(joints.rows());
-        for (law, block) in joints.blocks() {
+        for (law, block) in measured.blocks() {
             for row in block {
-                let rate = joints.row(row).map(|(f, value)| value * (v.0[f] + before.0[f]));
+                let rate = measured.row(row).map(|(f, value)| value * (v.0[f] + before.0[f]));
                 let taken = -0.5 * held[row] * rate.sum::<f64>();
                 report.joint_energy += taken;
                 if matches!(law, RowLaw::Bounded(_)) {
@@ -135,7 +143,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
         }
         joint_impulses.clear();
-        joint_impulses.extend(held);
+        let natural = |(row, x)| x * end_of_arm::measure::<G>(joints, row, *arm);
+        joint_impulses.extend(held.iter().enumerate().map(natural));
         let mut pushed = pushed.iter();
         for &i in &*with_joints {
             let directions = G::directions(&contacts[i].normal);
@@ -154,22 +163,21 @@ impl<G: Dimension, P: Potential> World<G, P> {
         settled: f64,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { joints, lift_bias, lift, v, islands, with_joints, jointed, .. } =
-            &mut self.memory;
-        let JointedMemory { rows, left, room, x, motion, solver, .. } = jointed;
+        let Memory { lift_bias, lift, v, islands, with_joints, jointed, .. } = &mut self.memory;
+        let JointedMemory { measured, rows, left, room, x, motion, solver, .. } = jointed;
         let RowRoom { own, entries } = room;
         left.clear();
         rows.clear();
-        for (law, block) in joints.blocks() {
+        for (law, block) in measured.blocks() {
             let row = block.start;
             // What the step's velocity has left of a limit.
             let asked = match law {
                 RowLaw::Equality => 0.0,
-                RowLaw::Limit => -joints.lack(row, v.view()).max(0.0),
+                RowLaw::Limit => -measured.lack(row, v.view()).max(0.0),
                 RowLaw::Bounded(_) | RowLaw::Cone(_) => continue,
             };
             entries.clear();
-            entries.extend(joints.row(row));
+            entries.extend(measured.row(row));
             rows.push(law, &[(entries, asked)])?;
         }
         let mut overlaps = false;
@@ -215,14 +223,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if self.memory.joints.rows() == 0 {
             return Ok(());
         }
-        let mut all = VelocityRows::default();
+        let (mut all, mut measured) = (VelocityRows::default(), VelocityRows::default());
         // Of a speed that jumps at its end a step has the one before.
         from.velocity_rows(state.t.next_down(), &state.q, 1.0, &mut all)?;
         all.check(self.mass.dim())?;
+        let arm = self.memory.jointed.arm;
+        end_of_arm::append::<G>(&all, arm, &mut measured);
         let (mut rows, mut places) = (VelocityRows::default(), Vec::new());
-        for (law, block) in all.blocks().filter(|(law, _)| *law == RowLaw::Equality) {
-            let entries: Vec<_> = all.row(block.start).collect();
-            rows.push(law, &[(&entries, all.asked(block.start))])?;
+        for (law, block) in measured.blocks().filter(|(law, _)| *law == RowLaw::Equality) {
+            let entries: Vec<_> = measured.row(block.start).collect();
+            rows.push(law, &[(&entries, measured.asked(block.start))])?;
             places.push(block.start);
         }
         if places.is_empty() {
@@ -232,17 +242,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
         self.system.metric().sharp(state.p.view(), v.view_mut());
         let rate = |row: usize, v: &[f64]| rows.row(row).map(|(f, x)| x * v[f]).sum::<f64>();
         let before: Vec<f64> = (0..places.len()).map(|row| rate(row, &v.0)).collect();
-        let largest = before.iter().zip(0..).fold(0.0, |largest: f64, (before, row)| {
-            largest.max(before.abs()).max(rows.asked(row).abs())
+        let largest = (0..places.len()).fold(0.0, |largest: f64, row| {
+            let parts = rows.row(row).map(|(f, x)| (x * v.0[f]).abs());
+            largest.max(parts.sum::<f64>() + rows.asked(row).abs())
         });
         let mut x = vec![0.0; places.len()];
-        let enough = (ROUNDING * largest).max(CLOSED);
+        let enough = ROUNDING * largest;
         let done = jointed.solver.solve(&rows, &mut &self.mass, enough, &mut x, v.view_mut())?;
         report.settled &= done.settled;
         for ((row, &place), (x, before)) in places.iter().enumerate().zip(x.iter().zip(before)) {
             report.joint_energy -= 0.5 * x * (before + rate(row, &v.0));
             if let Some(impulse) = joint_impulses.get_mut(place) {
-                *impulse += x;
+                *impulse += x * end_of_arm::measure::<G>(&all, place, arm);
             }
         }
         self.system.metric().flat(v.view(), state.p.view_mut());
@@ -269,39 +280,43 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// Closes the joints of the state that is written, by moving bodies, as far as they let themselves.
     pub(crate) fn close(&mut self, joints: &impl JointRows) -> Result<Closed, ContactError> {
         let Memory { next, jointed, .. } = &mut self.memory;
-        let JointedMemory { rows, left, x, motion, solver, .. } = jointed;
-        let farthest = next.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
+        let JointedMemory { arm, rows, left, open, x, motion, solver, .. } = jointed;
         let (mut first, mut last) = (0.0, f64::INFINITY);
         for round in 0..=CLOSINGS {
+            open.clear();
+            joints.position_rows(next.t, &next.q, open)?;
+            open.check(self.mass.dim())?;
             rows.clear();
+            end_of_arm::append::<G>(open, *arm, rows);
+            let off = opening(rows);
+            if round == 0 {
+                first = off;
+            }
+            let rounding = CLOSED * end_of_arm::farthest::<G>(open, &next.q).max(*arm);
+            if off <= rounding || off >= last || round == CLOSINGS {
+                let done = off <= rounding.max(CLOSED_PART * first);
+                return Ok(Closed { open: opening(open), done });
+            }
+            last = off;
             rows.extend(left);
-            let contacts = rows.rows();
-            joints.position_rows(next.t, &next.q, rows)?;
             motion.0.clear();
             motion.0.resize(self.mass.dim(), 0.0);
-            rows.check(self.mass.dim())?;
-            let lacks = rows.blocks().filter(|(_, block)| block.start >= contacts);
-            let open =
-                lacks.map(|(law, block)| match (law, rows.lack(block.start, motion.view())) {
-                    (RowLaw::Limit, lack) => -lack,
-                    (_, lack) => lack.abs(),
-                });
-            let open = open.fold(0.0, f64::max);
-            if round == 0 {
-                first = open;
-            }
-            if open <= CLOSED || open >= last || round == CLOSINGS {
-                let enough = (CLOSED_PART * first).max(CLOSED * farthest);
-                return Ok(Closed { open, done: open <= enough });
-            }
-            last = open;
             x.clear();
             x.resize(rows.rows(), 0.0);
-            solver.solve(rows, &mut &self.mass, CLOSED, x, motion.view_mut())?;
+            solver.solve(rows, &mut &self.mass, rounding, x, motion.view_mut())?;
             self.system.space().advance(&mut next.q, 1.0, motion.view());
         }
-        Ok(Closed { open: last, done: false })
+        Ok(Closed { open: opening(open), done: false })
     }
+}
+
+/// How far rows are from what they ask of a motion, while nothing has moved.
+fn opening(rows: &VelocityRows) -> f64 {
+    let open = rows.blocks().map(|(law, block)| match law {
+        RowLaw::Limit => rows.asked(block.start),
+        _ => rows.asked(block.start).abs(),
+    });
+    open.fold(0.0, f64::max)
 }
 
 /// Appends the cone of a contact, whose normal asks for a velocity.

@@ -82,30 +82,37 @@ fn end(body: usize, x: f64) -> JointEnd {
 
 /// Boxes on ball joints that hang from the origin, at first along a line, so far above a floor.
 pub(crate) fn hung_chain(links: usize, above: f64) -> Scene {
-    let bodies = vec![Body::solid_box(1.0, [0.2, 0.05, 0.05]).unwrap(); links];
+    hung_chain_of_size(1.0, links, above)
+}
+
+/// The same, where a metre is so long.
+fn hung_chain_of_size(metre: f64, links: usize, above: f64) -> Scene {
+    let sides = [0.2, 0.05, 0.05].map(|side| side * metre);
+    let bodies = vec![Body::solid_box(metre.powi(3), sides).unwrap(); links];
     let motions: Vec<_> = (0..links)
         .map(|link| BodyMotion {
-            pose: at(0.2 + 0.4 * link as f64, 0.0, 0.0),
+            pose: at((0.2 + 0.4 * link as f64) * metre, 0.0, 0.0),
             velocity: V::zeros(),
             angular_velocity: V::zeros(),
         })
         .collect();
-    let shape = Shape::cuboid([0.15, 0.05, 0.05]).unwrap();
+    let shape = Shape::cuboid([0.15, 0.05, 0.05].map(|half| half * metre)).unwrap();
     let mut colliders: Vec<_> =
         (0..links).map(|body| Collider::on_body(body, shape.clone()).with_friction(0.5)).collect();
-    let floor = Shape::cuboid([9.0, 9.0, 1.0]).unwrap();
-    colliders.push(Collider::fixed(at(0.0, 0.0, -1.0 - above), floor).with_friction(0.5));
+    let floor = Shape::cuboid([9.0, 9.0, 1.0].map(|half| half * metre)).unwrap();
+    let below = at(0.0, 0.0, (-1.0 - above) * metre);
+    colliders.push(Collider::fixed(below, floor).with_friction(0.5));
     let joints = (0..links)
         .map(|link| {
             let before = match link.checked_sub(1) {
                 None => JointEnd::world(V::zeros()),
-                Some(before) => end(before, 0.2),
+                Some(before) => end(before, 0.2 * metre),
             };
-            Joint::new(Poses, links, JointKind::Ball, [before, end(link, -0.2)]).unwrap()
+            Joint::new(Poses, links, JointKind::Ball, [before, end(link, -0.2 * metre)]).unwrap()
         })
         .collect();
     let detector = Detector::new(colliders, links).unwrap();
-    Scene::under(9.81, bodies, &motions, detector, joints)
+    Scene::under(9.81 * metre, bodies, &motions, detector, joints)
 }
 
 /// Corners on one plane share their forces in many ways, and joints between the boxes tie them together: pivots and
@@ -122,6 +129,28 @@ fn a_chain_that_lands_on_a_floor_is_settled_in_every_step() {
     }
     assert!(touched > 200 && scene.open() < 1e-13, "{touched} {}", scene.open());
     assert!(most < 200, "{most}");
+}
+
+#[test]
+fn a_chain_of_any_size_lands_as_that_of_metres_with_its_joints_closed() {
+    let mut metres = hung_chain(3, 0.5);
+    let sizes = [1e-12, 1e-9, 1e-6, 1e3, 1e6];
+    let mut scaled = sizes.map(|metre| (metre, hung_chain_of_size(metre, 3, 0.5)));
+    let mut touched = 0;
+    for step in 0..250 {
+        touched += metres.step(2e-3).contacts;
+        for (metre, scene) in &mut scaled {
+            let report = scene.step(2e-3);
+            assert!(report.settled, "{step} at {metre:e}: {report:?}");
+            assert!(scene.open() < 1e-13 * *metre, "{step} at {metre:e}: {:e}", scene.open());
+            for (q, expected) in scene.state.q.chunks(7).zip(metres.state.q.chunks(7)) {
+                let place = |k: usize| (q[k] / *metre - expected[k]).abs();
+                let off = (0..3).map(place).fold(0.0, f64::max);
+                assert!(off < 1e-6, "{step} at {metre:e}: off by {off:e}");
+            }
+        }
+    }
+    assert!(touched > 100, "{touched}");
 }
 
 /// Three boxes on a ball joint and a hinge fly, turn, and are hit by a ball.

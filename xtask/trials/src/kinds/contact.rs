@@ -32,6 +32,7 @@ pub const KINDS: &[Kind] = &[
     scenes::ROLLING,
     jointed::KIND,
     jointed::LIMITED,
+    jointed::OF_ANY_SIZE,
     points::KIND,
     planar_points::KIND,
     mesh_points::KIND,

@@ -29,7 +29,7 @@ pub(super) const KIND: Kind = Kind {
            is out of its cone by more than reported; a joint open by 1e-9; a corner deeper in the floor than before, \
            turning and the residual allow. A step that is not settled is refused",
     in_tests: 50,
-    trial: |draw| trial(draw, Joints::Alike),
+    trial: |draw| trial(draw, Joints::Alike, 1.0),
 };
 
 pub(super) const LIMITED: Kind = Kind {
@@ -39,10 +39,24 @@ pub(super) const LIMITED: Kind = Kind {
            jointed-contact; axes of a hinge apart, or a weld turned, by 1e-9; a turn beyond its limits by 1e-9; \
            friction of a joint beyond its bound, or along its turn",
     in_tests: 50,
-    trial: |draw| trial(draw, Joints::Limited),
+    trial: |draw| trial(draw, Joints::Limited, 1.0),
 };
 
-/// Half of the distance between joints, m, and of the boxes along it.
+pub(super) const OF_ANY_SIZE: Kind = Kind {
+    name: "jointed-sizes",
+    krate: "contact",
+    rule: "the chains of jointed-contact and limited-contact, of which a metre is 1e-9 to 1e9 metres long and weight \
+           grows with it: as of those, in parts of that metre",
+    in_tests: 50,
+    trial: |draw| {
+        let metre = draw.log_uniform(1e-9, 1e9);
+        let of = draw.one_of(&[Joints::Alike, Joints::Limited]);
+        draw.note(format!("of a metre of {metre:e} m"));
+        trial(draw, of, metre)
+    },
+};
+
+/// Half of the distance between joints, and of the boxes along it, m of a chain whose metre is one.
 const REACH: f64 = 0.2;
 const HALF: f64 = 0.15;
 const GRAVITY: f64 = 9.81;
@@ -63,6 +77,8 @@ type Turn = Drive<Poses, Steady>;
 type Links = (Kept<Vec<Joint<Poses>>>, Vec<JointLimits<Turn>>, Vec<JointFriction<Turn>>);
 
 struct Chain {
+    /// How long a metre of it is, m.
+    metre: f64,
     world: SpatialWorld<Weight<Poses>>,
     metric: BodyMetric<Poses>,
     links: Links,
@@ -75,9 +91,9 @@ struct Chain {
     step: f64,
 }
 
-fn drawn(draw: &mut Draw, of: Joints) -> Result<Chain, ContactError> {
+fn drawn(draw: &mut Draw, of: Joints, metre: f64) -> Result<Chain, ContactError> {
     let count = draw.between(2, 6);
-    let half = Vector3::new(HALF, draw.uniform(0.03, 0.1), draw.uniform(0.03, 0.1));
+    let half = Vector3::new(HALF, draw.uniform(0.03, 0.1), draw.uniform(0.03, 0.1)) * metre;
     let spread = draw.one_of(&[1.0, 10.0, 1e3]);
     let masses: Vec<f64> = (0..count).map(|_| draw.log_uniform(1.0, 1.001 * spread)).collect();
     let [hinges, hung] = [0.4, 0.3].map(|chance| draw.chance(chance));
@@ -85,24 +101,26 @@ fn drawn(draw: &mut Draw, of: Joints) -> Result<Chain, ContactError> {
     let restitution = if draw.chance(0.3) { draw.unit() } else { 0.0 };
     let step = draw.one_of(&[5e-4, 2e-3, 5e-3]);
     let spin = Vector3::from_fn(|_, _| draw.symmetric());
-    let speed = Vector3::new(draw.symmetric(), draw.symmetric(), draw.symmetric() - 1.0) * 2.0;
+    let speed =
+        Vector3::new(draw.symmetric(), draw.symmetric(), draw.symmetric() - 1.0) * (2.0 * metre);
     let speed = if hung { Vector3::zeros() } else { speed };
     let turn = UnitQuaternion::from_scaled_axis(Vector3::y() * (0.5 * draw.symmetric()));
     let along = turn * Vector3::x();
     // The lowest of the chain is a little above the floor.
-    let length = 2.0 * REACH * (count - 1) as f64;
+    let reach = REACH * metre;
+    let length = 2.0 * reach * (count - 1) as f64;
     let lowest = (length * along.z).min(0.0) - half.norm();
-    let height = draw.uniform(0.0, 0.05) - lowest;
+    let height = draw.uniform(0.0, 0.05) * metre - lowest;
     draw.note(format!(
         "{count} boxes half {half:?} masses {masses:?}, hinges {hinges}, hung {hung}, friction {friction}, \
          restitution {restitution}, step {step:e}, turned {turn}, height {height}, v {speed:?}, w {spin:?}"
     ));
     let rotation = Rotation::from_quaternion([turn.w, turn.i, turn.j, turn.k])?;
-    let first = Vector3::z() * height - along * REACH;
+    let first = Vector3::z() * height - along * reach;
     let mut motions = Vec::new();
     let (mut bodies, mut colliders) = (Vec::new(), Vec::new());
     for (body, mass) in masses.iter().enumerate() {
-        let arm = along * (REACH * (2 * body + 1) as f64);
+        let arm = along * (reach * (2 * body + 1) as f64);
         bodies.push(Body::solid_box(*mass, half.into())?);
         motions.push(BodyMotion {
             pose: RigidMotion { translation: first + arm, rotation },
@@ -119,20 +137,20 @@ fn drawn(draw: &mut Draw, of: Joints) -> Result<Chain, ContactError> {
     let limited = of == Joints::Limited;
     let [low, high, bound] = match of {
         Joints::Alike => [0.0; 3],
-        Joints::Limited => [[-1.0, -0.05], [0.05, 1.0], [0.0, GRAVITY * REACH * masses[0]]]
+        Joints::Limited => [[-1.0, -0.05], [0.05, 1.0], [0.0, GRAVITY * metre * reach * masses[0]]]
             .map(|[least, most]| draw.uniform(least, most)),
     };
     let limits = [low, high];
     let (mut joints, mut stops, mut rubs) = (Vec::new(), Vec::new(), Vec::new());
     for body in usize::from(!hung)..count {
         let before = match body.checked_sub(1) {
-            Some(before) => JointEnd::on(before, Vector3::x() * REACH),
+            Some(before) => JointEnd::on(before, Vector3::x() * reach),
             None => {
                 let frame = RigidMotion { translation: first, rotation };
                 JointEnd { body: None, frame }
             }
         };
-        let ends = [before, JointEnd::on(body, Vector3::x() * -REACH)];
+        let ends = [before, JointEnd::on(body, Vector3::x() * -reach)];
         let kind = match hinges {
             _ if limited && draw.chance(0.3) => draw.one_of(&others),
             true => hinge,
@@ -148,13 +166,13 @@ fn drawn(draw: &mut Draw, of: Joints) -> Result<Chain, ContactError> {
     }
     let links = (Kept(joints), stops, rubs);
     let points = masses.iter().map(|&mass| PointMass { mass, point: Vector3::zeros() });
-    let gravity = Vector3::z() * -GRAVITY;
+    let gravity = Vector3::z() * (-GRAVITY * metre);
     let weight = Weight { gravity, masses: points.collect(), space: Poses };
     let metric = BodyMetric::<Poses>::new(bodies);
     let state = metric.state(&motions)?;
     let detector = Detector::new(colliders, count)?;
     let world = SpatialWorld::new(metric.clone().under(weight)?, detector)?;
-    Ok(Chain { world, metric, links, limits, bound, state, masses, half, hung, step })
+    Ok(Chain { metre, world, metric, links, limits, bound, state, masses, half, hung, step })
 }
 
 /// Where a body is, and how it moves.
@@ -198,7 +216,8 @@ impl Chain {
         motions.iter().map(corner).fold(0.0, f64::max)
     }
 
-    /// How far the ends of the joint that is open most are apart, m, or axes that it keeps together, rad.
+    /// How far the ends of the joint that is open most are apart, in parts of a metre of the chain, or axes that it
+    /// keeps together, rad.
     fn open(&self, motions: &[Motion]) -> f64 {
         let placed = |end: &JointEnd| {
             let own = end.frame.rotation.matrix();
@@ -220,7 +239,7 @@ impl Chain {
                 JointKind::Weld => (turned_a - turned_b).norm(),
                 _ => 0.0,
             };
-            (a - b).norm().max(turned)
+            ((a - b).norm() / self.metre).max(turned)
         };
         self.links.0.0.iter().map(apart).fold(0.0, f64::max)
     }
@@ -246,13 +265,14 @@ impl Chain {
     }
 
     fn judge(&self, before: &Seen, after: &Seen, report: &WorldReport) -> Verdict {
-        let h = self.step;
+        let (h, metre) = (self.step, self.metre);
+        let gravity = GRAVITY * metre;
         let touches: Vec<Touch<Spatial>> = self.world.touches().collect();
         let mass: f64 = self.masses.iter().sum();
         let fastest = |seen: &Seen| {
             let speed = seen.motions.iter().zip(&self.masses).map(|(b, m)| b.p.norm() / m);
             let spin = seen.motions.iter().map(|b| b.turn / h * self.half.norm());
-            speed.chain(spin).fold(GRAVITY * h, f64::max)
+            speed.chain(spin).fold(gravity * h, f64::max)
         };
         let fastest = fastest(before).max(fastest(after));
         let left = report.residual.max(report.coulomb).max(report.impact_residual);
@@ -275,21 +295,21 @@ impl Chain {
             };
             let given: Vector3<f64> = touches.iter().map(of_floor).sum();
             let sum = |seen: &Seen| seen.motions.iter().map(|b| b.p).sum::<Vector3<f64>>();
-            let off = sum(after) - sum(before) - given + Vector3::z() * (mass * GRAVITY * h);
+            let off = sum(after) - sum(before) - given + Vector3::z() * (mass * gravity * h);
             let promised = 1e-9 * (mass * fastest + pushed);
             verdict = verdict.and(Verdict::of(off.norm(), promised, "the chain's momentum"));
         }
         let turned =
             |seen: &Seen| seen.motions.iter().map(|b| b.turning * b.turn.powi(3)).sum::<f64>();
-        let scale = before.energies[0] + after.energies[0] + mass * (GRAVITY * h).powi(2);
-        let slack = 1e-9 * (scale + mass * GRAVITY * h * fastest)
+        let scale = before.energies[0] + after.energies[0] + mass * (gravity * h).powi(2);
+        let slack = 1e-9 * (scale + mass * gravity * h * fastest)
             + 2.0 * (turned(before) + turned(after))
             + 2.0 * left * (pushed + mass * fastest);
         // Of what the world says: its load does its work at the mean of the velocities that it tells.
         let taken = report.impact_energy + report.friction_energy + report.joint_energy;
         let [from, to] = self.world.velocities();
         let falls = self.masses.iter().zip(from.0.chunks_exact(6).zip(to.0.chunks_exact(6)));
-        let load: f64 = falls.map(|(m, (a, b))| -0.5 * h * GRAVITY * m * (a[2] + b[2])).sum();
+        let load: f64 = falls.map(|(m, (a, b))| -0.5 * h * gravity * m * (a[2] + b[2])).sum();
         let off = (after.energies[0] - before.energies[0] - load + taken).abs();
         verdict = verdict.and(Verdict::of(off, slack, "what is told of energies"));
         let gained = after.energies.iter().sum::<f64>() - before.energies.iter().sum::<f64>();
@@ -305,7 +325,7 @@ impl Chain {
         let turned = |seen: &Seen| {
             seen.motions
                 .iter()
-                .map(|b| 2.0 * (REACH + self.half.norm()) * b.turn.powi(2))
+                .map(|b| 2.0 * (REACH * metre + self.half.norm()) * b.turn.powi(2))
                 .sum::<f64>()
         };
         // Dry friction is the last that asks for rows.
@@ -315,14 +335,17 @@ impl Chain {
             let spin = |end: &JointEnd| end.body.map_or(0.0, |body| to.0[6 * body + 4]);
             let [a, b] = joint.ends().each_ref().map(spin);
             let over = x.abs() - self.bound * h;
-            verdict =
-                verdict.and(Verdict::of(over, 1e-12, "friction of a joint is out of its bound"));
-            let allowed = self.bound * h * (left + 1e-9 * fastest / REACH);
+            verdict = verdict.and(Verdict::of(
+                over,
+                1e-12 * metre * metre,
+                "friction of a joint is out of its bound",
+            ));
+            let allowed = self.bound * h * (left + 1e-9 * fastest) / (REACH * metre);
             verdict =
                 verdict.and(Verdict::of(x * (b - a), allowed, "friction of a joint drives it"));
         }
         let deeper = (self.depth(&after.motions) - self.depth(&before.motions)).max(0.0);
-        let allowed = 1e-12 + h * left + turned(before) + turned(after);
+        let allowed = 1e-12 * metre + h * left + turned(before) + turned(after);
         verdict.and(Verdict::of(deeper, allowed, "the floor lets a corner in"))
     }
 }
@@ -333,8 +356,8 @@ struct Seen {
     energies: [f64; 2],
 }
 
-fn trial(draw: &mut Draw, of: Joints) -> Verdict {
-    let mut chain = match drawn(draw, of) {
+fn trial(draw: &mut Draw, of: Joints, metre: f64) -> Verdict {
+    let mut chain = match drawn(draw, of, metre) {
         Ok(chain) => chain,
         Err(error) => return Verdict::refused(error),
     };
