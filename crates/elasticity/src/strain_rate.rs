@@ -196,7 +196,13 @@ impl<M: Metric, P: Potential> Force for Rayleigh<M, P> {
         self.metric.dim()
     }
 
+    /// NaN in every component where any of the three is too short.
     fn add_force(&self, _t: f64, q: &[f64], v: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        let n = self.dim();
+        if q.len().min(v.0.len()).min(f.0.len()) < n {
+            return f.0.fill(f64::NAN);
+        }
+        let (v, f) = (Vector(&v.0[..n]), Covector(&mut f.0[..n]));
         if let Some(mut sink) = ProductSink::new(-self.alpha, v.0, &mut *f.0) {
             self.metric.add_matrix(&mut sink);
         }

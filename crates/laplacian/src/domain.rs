@@ -140,7 +140,7 @@ impl<const K: usize> Domain<K> {
     /// The mass that integrates products of piecewise linear functions exactly.
     ///
     /// # Errors
-    /// Where it is too large for 32-bit places.
+    /// Where it is too large for 32-bit places, and for an element that names a vertex twice.
     pub fn galerkin(&self) -> Result<SparseMetric, LaplacianError> {
         let n = self.dim();
         let blocks: Vec<([usize; K], Vec<f64>)> = self

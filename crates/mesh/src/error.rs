@@ -113,6 +113,16 @@ pub enum MeshError {
         /// How many it has.
         corners: usize,
     },
+    /// An outline so small that products of its coordinates leave the range of numbers.
+    #[error("outline {outline} is {size:e} across; the least is {least:e}")]
+    SmallOutline {
+        /// Which outline.
+        outline: usize,
+        /// The longer side of the box around it.
+        size: f64,
+        /// The least that it may be.
+        least: f64,
+    },
     /// A corner of an outline in the same place as the one before it.
     #[error("corner {corner} of outline {outline} is where the one before it is")]
     RepeatedCorner {

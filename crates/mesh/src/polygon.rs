@@ -34,7 +34,7 @@ impl Polygon {
     /// # Errors
     /// [`MeshError::Empty`], [`MeshError::ShortOutline`], [`MeshError::NonFinite`],
     /// [`MeshError::TooFar`] (with vertices counted through all outlines),
-    /// [`MeshError::RepeatedCorner`] and [`MeshError::Crossing`].
+    /// [`MeshError::RepeatedCorner`], [`MeshError::SmallOutline`] and [`MeshError::Crossing`].
     pub fn new(mut outlines: Vec<Vec<Vector2<f64>>>) -> Result<Self, MeshError> {
         if outlines.is_empty() {
             return Err(MeshError::Empty);
@@ -72,8 +72,12 @@ impl Polygon {
         moments.fold(first, |sum, outline| sum.with(&outline))
     }
 
-    /// Whether a point lies in the region; its edges belong to it.
+    /// Whether a point lies in the region; its edges belong to it. One with a coordinate that is not a
+    /// number lies nowhere.
     pub fn contains(&self, point: &Vector2<f64>) -> bool {
+        if point.iter().any(|x| x.is_nan()) {
+            return false;
+        }
         let on_edge = |corners: &Vec<Vector2<f64>>| winds(corners, point).is_none();
         let within = |corners: &&Vec<Vector2<f64>>| winds(corners, point) == Some(true);
         self.outlines.iter().any(on_edge) || self.outlines.iter().filter(within).count() % 2 == 1
@@ -98,7 +102,21 @@ fn check_outline(outline: usize, corners: &[Vector2<f64>]) -> Result<(), MeshErr
     let before = corners.iter().cycle().skip(corners.len() - 1);
     match corners.iter().zip(before).position(|(corner, before)| corner == before) {
         Some(corner) => Err(MeshError::RepeatedCorner { outline, corner }),
-        None => Ok(()),
+        None => check_extent(outline, corners),
+    }
+}
+
+/// The least size of an outline: below it signs, areas and moments are lost to underflow.
+const LEAST: f64 = 1e-100;
+
+fn check_extent(outline: usize, corners: &[Vector2<f64>]) -> Result<(), MeshError> {
+    let (low, high) = (corners.iter().copied().reduce(|a, b| a.inf(&b)))
+        .zip(corners.iter().copied().reduce(|a, b| a.sup(&b)))
+        .unwrap_or_default();
+    let size = (high - low).max();
+    match size < LEAST {
+        true => Err(MeshError::SmallOutline { outline, size, least: LEAST }),
+        false => Ok(()),
     }
 }
 

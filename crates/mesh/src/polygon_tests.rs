@@ -159,3 +159,24 @@ proptest! {
         prop_assert!((got.polar() - polar).abs() < 1e-12);
     }
 }
+
+#[test]
+fn a_point_with_a_coordinate_that_is_no_number_lies_nowhere() {
+    let square = Polygon::new(vec![rectangle(0.0, 0.0, 1.0, 1.0)]).unwrap();
+    assert!(square.contains(&Vector2::new(0.5, 0.5)));
+    for point in [[f64::NAN, 0.5], [0.5, f64::NAN], [f64::NAN; 2], [f64::INFINITY, 0.5]] {
+        assert!(!square.contains(&point.into()), "{point:?}");
+    }
+}
+
+#[test]
+fn outlines_too_small_for_products_of_their_coordinates_are_refused() {
+    let size = 2.0_f64.powi(-1000);
+    let small = rectangle(0.0, 0.0, 3.0 * size, size);
+    let error = Polygon::new(vec![small]).unwrap_err();
+    assert_eq!(error, MeshError::SmallOutline { outline: 0, size: 3.0 * size, least: 1e-100 });
+    let least = Polygon::new(vec![rectangle(1e-100, 0.0, 2e-100, 1e-100)]).unwrap();
+    assert!(least.contains(&Vector2::new(2e-100, 1e-101)));
+    assert!(!least.contains(&Vector2::new(4e-100, 1e-101)));
+    assert!((least.moments().measure / 2e-200 - 1.0).abs() < 1e-14);
+}

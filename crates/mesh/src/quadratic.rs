@@ -115,24 +115,12 @@ where
     /// # Panics
     /// For an element of others that names a node that these have not: it is an index.
     pub fn point(&self, element: &[usize; N], l: &[f64; K]) -> SVector<f64, D> {
-        let shape = shape::<K, N>(l);
-        element.iter().zip(shape).map(|(&node, n)| self.nodes[node] * n).sum()
+        self.nodes[element[0]] + offset(&self.seen(element), l)
     }
 
-    /// The derivatives of [`Quadratic::point`] by the coordinates of the corners 1 to K - 1, at
-    /// the cost of that of corner 0: the columns of J, as points of a simplex whose first corner
-    /// is zero.
-    fn tangents(&self, element: &[usize; N], l: &[f64; K]) -> [SVector<f64, D>; K] {
-        let mut by_coordinate = [SVector::<f64, D>::zeros(); K];
-        for (k, derivative) in by_coordinate.iter_mut().enumerate() {
-            *derivative += self.nodes[element[k]] * (4.0 * l[k] - 1.0);
-        }
-        for (edge, &[i, j]) in <[usize; K]>::EDGES.iter().enumerate() {
-            let node = self.nodes[element[K + edge]];
-            by_coordinate[i] += node * (4.0 * l[j]);
-            by_coordinate[j] += node * (4.0 * l[i]);
-        }
-        by_coordinate.map(|derivative| derivative - by_coordinate[0])
+    /// The nodes of an element as seen from its first, so that places far away cost no digits.
+    fn seen(&self, element: &[usize; N]) -> [SVector<f64, D>; N] {
+        element.map(|node| self.nodes[node] - self.nodes[element[0]])
     }
 
     /// An error that lists the elements whose Jacobian is not positive at some node. Between
@@ -144,7 +132,8 @@ where
     pub fn check_positive(&self) -> Result<(), MeshError> {
         let at_nodes = node_coordinates::<K, N>();
         let bad = |element: &[usize; N]| {
-            K == D + 1 && at_nodes.iter().any(|l| measure(&self.tangents(element, l)) <= 0.0)
+            let seen = self.seen(element);
+            K == D + 1 && at_nodes.iter().any(|l| measure(&tangents(&seen, l)) <= 0.0)
         };
         let numbered = self.elements.iter().enumerate();
         let inverted = numbered.filter(|(_, element)| bad(element)).map(|(number, _)| number);
@@ -161,9 +150,10 @@ where
         let mut moments = Moments::zero(self.middle());
         let rule = simplex_quadrature::<K>(if K == D + 1 { K + 3 } else { 12 });
         for element in &self.elements {
+            let (seen, first) = (self.seen(element), self.nodes[element[0]] - moments.about);
             for (l, weight) in &rule {
-                let size = weight * measure(&self.tangents(element, l));
-                let x = self.point(element, l) - moments.about;
+                let size = weight * measure(&tangents(&seen, l));
+                let x = first + offset(&seen, l);
                 moments.measure += size;
                 moments.first += x * size;
                 moments.second += x * x.transpose() * size;
@@ -184,9 +174,10 @@ impl QuadraticTriangles<3> {
     pub fn enclosed_moments(&self) -> Moments<3> {
         let mut moments = Moments::zero(self.middle());
         for element in &self.elements {
+            let (seen, first) = (self.seen(element), self.nodes[element[0]] - moments.about);
             for (l, weight) in simplex_quadrature::<3>(8) {
-                let [_, u, v] = self.tangents(element, &l).map(|t| in_space(&t));
-                let x: Vector3<f64> = self.point(element, &l) - moments.about;
+                let [_, u, v] = tangents(&seen, &l).map(|t| in_space(&t));
+                let x: Vector3<f64> = first + offset(&seen, &l);
                 // A cone over the surface point: int t^2, t^3, t^4 from 0 to 1; half the cross
                 // product is the reference triangle's share.
                 let flux = weight * x.dot(&u.cross(&v)) / 2.0;
@@ -197,6 +188,38 @@ impl QuadraticTriangles<3> {
         }
         moments
     }
+}
+
+/// The point with these barycentric coordinates, of nodes and as seen from the first of them.
+fn offset<const D: usize, const K: usize, const N: usize>(
+    seen: &[SVector<f64, D>; N],
+    l: &[f64; K],
+) -> SVector<f64, D>
+where
+    [usize; K]: Simplex,
+{
+    seen.iter().zip(shape::<K, N>(l)).map(|(node, n)| node * n).sum()
+}
+
+/// The derivatives of [`offset`] by the coordinates of the corners 1 to K - 1, at the cost of that
+/// of corner 0: the columns of J, as points of a simplex whose first corner is zero.
+fn tangents<const D: usize, const K: usize, const N: usize>(
+    seen: &[SVector<f64, D>; N],
+    l: &[f64; K],
+) -> [SVector<f64, D>; K]
+where
+    [usize; K]: Simplex,
+{
+    let mut by_coordinate = [SVector::<f64, D>::zeros(); K];
+    for (k, derivative) in by_coordinate.iter_mut().enumerate() {
+        *derivative += seen[k] * (4.0 * l[k] - 1.0);
+    }
+    for (edge, &[i, j]) in <[usize; K]>::EDGES.iter().enumerate() {
+        let node = seen[K + edge];
+        by_coordinate[i] += node * (4.0 * l[j]);
+        by_coordinate[j] += node * (4.0 * l[i]);
+    }
+    by_coordinate.map(|derivative| derivative - by_coordinate[0])
 }
 
 /// The shape functions at barycentric coordinates.
@@ -251,6 +274,22 @@ mod tests {
         assert!((linear.first - quadratic.first).amax() < 1e-13);
         assert!((linear.second - quadratic.second).amax() < 1e-13);
         assert_eq!(QuadraticTetrahedra::straight(&mesh).corners(), mesh);
+    }
+
+    #[test]
+    fn what_is_far_away_has_the_size_and_the_moments_that_it_has_here() {
+        let thin = cuboid([1.0, 2.0, 1.0 / 1024.0], [1, 1, 1]).unwrap();
+        let here = QuadraticTetrahedra::straight(&thin);
+        for away in [2.0_f64.powi(20), 2.0_f64.powi(30), 2.0_f64.powi(40)] {
+            let there = here.mapped(|x| x.add_scalar(away)).unwrap();
+            let (near, far) = (here.moments(), there.moments());
+            assert!((far.measure / near.measure - 1.0).abs() < 1e-14, "{away}");
+            assert!((far.second - near.second).amax() < 1e-14 * near.second.amax());
+            assert_eq!(there.check_positive(), Ok(()));
+            let skin = QuadraticTriangles::straight(&thin.boundary().mesh);
+            let enclosed = skin.mapped(|x| x.add_scalar(away)).unwrap().enclosed_moments();
+            assert!((enclosed.measure / near.measure - 1.0).abs() < 1e-13, "{away}");
+        }
     }
 
     #[test]

@@ -36,8 +36,8 @@ const fn cell_type(nodes: usize) -> Option<u8> {
 /// tetrahedra.
 ///
 /// # Errors
-/// Of the writer; and of kind [`io::ErrorKind::InvalidInput`] where a cell names no point or a field has
-/// not one value for each point.
+/// Of the writer; and of kind [`io::ErrorKind::InvalidInput`] where a cell names no point, and where a
+/// field has no name or not one value for each point.
 pub fn write_vtk<const D: usize, const N: usize>(
     mut out: impl Write,
     title: &str,
@@ -92,11 +92,15 @@ fn check<const D: usize, const N: usize>(
             return invalid(format!("cell {number} names point {node}; there are {points}"));
         }
     }
-    for field in fields {
+    for (number, field) in fields.iter().enumerate() {
         let (name, values) = match field {
             VtkField::Numbers(name, numbers) => (name, numbers.len()),
             VtkField::Vectors(name, vectors) => (name, vectors.len()),
         };
+        // What comes after it would be read as its name.
+        if word(name).is_empty() {
+            return invalid(format!("field {number} has no name"));
+        }
         if values != points {
             return invalid(format!("{name} has {values} values for {points} points"));
         }
@@ -159,5 +163,7 @@ mod tests {
         assert_eq!(error, "cell 1 names point 4; there are 4");
         let error = refused(&[[0, 1, 2, 3]], &[VtkField::Numbers("p", &[1.0; 3])]);
         assert_eq!(error, "p has 3 values for 4 points");
+        let error = refused(&[[0, 1, 2, 3]], &[VtkField::Numbers(" \t", &[1.0; 4])]);
+        assert_eq!(error, "field 0 has no name");
     }
 }

@@ -94,6 +94,21 @@ fn rayleigh_damping_is_mass_and_stiffness_times_the_velocity() {
 }
 
 #[test]
+fn a_velocity_that_is_too_short_is_no_force_at_all() {
+    let (mesh, solid) = cube();
+    let freedoms = solid.freedoms().clone();
+    let mass = lumped_mass(LinearTetrahedron, &mesh, [1.0, 1.0], &freedoms).unwrap();
+    let viscous = StrainRate::new(&solid, Lame::new(0.3, 2.0).unwrap()).unwrap();
+    let rayleigh = Rayleigh::new([0.5, 0.1], mass, solid).unwrap();
+    let (q, v) = (mesh.nodes().concat(), vec![1.0; 24]);
+    assert!(force(&viscous, &q, &v[..23]).iter().all(|f| f.is_nan()));
+    assert!(force(&rayleigh, &q, &v[..23]).iter().all(|f| f.is_nan()));
+    // What belongs to others is left to them.
+    let longer = [&q[..], &[0.0; 3]].concat();
+    assert!(force(&rayleigh, &longer, &[1.0; 27])[24..].iter().all(|f| *f == 0.0));
+}
+
+#[test]
 fn held_vertices_that_are_moved_damp_where_they_are() {
     let mesh = cuboid([1.0, 1.0, 1.0], [1, 1, 1]).unwrap();
     let nodes: Vec<[f64; 3]> = mesh.nodes();
