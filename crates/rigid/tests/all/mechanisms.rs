@@ -9,10 +9,10 @@ use stationary_constraints::{
 use stationary_integrators::{Scheme, State};
 use stationary_measure::loglog_slope;
 use stationary_rigid::{
-    Along, Body, BodyForces, BodyMetric, BodyMotion, ConstantVelocity, Drive, ExactRotation,
-    FreeBodies, Joint, JointEnd, JointFriction, JointKind, JointLimits, LieGroup, MechanismError,
-    Mobility, PointMass, Poses, RigidMotion, Rotation, Schedule, Weight, assemble, instant,
-    linearize, mobility,
+    Along, AxisRotations, Body, BodyForces, BodyMetric, BodyMotion, ConstantVelocity, Drive,
+    ExactRotation, FreeBodies, FreeRotation, Joint, JointEnd, JointFriction, JointKind,
+    JointLimits, LieGroup, MechanismError, Mobility, PointMass, Poses, RigidMotion, Rotation,
+    Schedule, Weight, assemble, instant, linearize, mobility,
 };
 
 type Weighed = System<BodyMetric<Poses>, Weight<Poses>, Poses>;
@@ -276,7 +276,14 @@ fn a_hanging_pendulum_is_linearized_to_its_frequency_and_upside_down_to_its_rate
 }
 
 #[test]
-fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_free() {
+fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_free_along_every_map()
+{
+    composed_along(ExactRotation);
+    composed_along(AxisRotations);
+    composed_along(ConstantVelocity);
+}
+
+fn composed_along<R: FreeRotation + Copy + std::fmt::Debug>(map: R) {
     let system = bodies(2);
     let z = Vector3::z();
     let hinge = joint(2, HINGE, hung());
@@ -292,7 +299,7 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
     let initial = system.metric().state(&[first, second]).unwrap();
     let run = |scheme: Scheme, steps: u32| {
         let equations = SparseDiagonal(Redundancy::Refuse);
-        let motion = FreeBodies(ExactRotation);
+        let motion = FreeBodies(map);
         let rattle = Rattle::along(motion, &system, &held, &initial, equations).unwrap();
         let mut method = Composed::new(rattle, scheme, &initial).unwrap();
         let (mut state, mut seen) = (initial.clone(), Vec::new());
@@ -315,11 +322,10 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
             (1.0 / f64::from(steps), error)
         });
         let (slope, order) = (loglog_slope(&points).unwrap(), scheme.facts().order);
-        assert!((slope - f64::from(order)).abs() < 0.3, "{slope} {points:?}");
+        assert!((slope - f64::from(order)).abs() < 0.3, "{map:?}: {slope} {points:?}");
     }
     let equations = SparseDiagonal(Redundancy::Refuse);
-    let rattle =
-        Rattle::along(FreeBodies(ExactRotation), &system, &held, &initial, equations).unwrap();
+    let rattle = Rattle::along(FreeBodies(map), &system, &held, &initial, equations).unwrap();
     let error = Composed::new(rattle, Scheme::BlanesMoan4, &initial).unwrap_err();
     assert!(matches!(error, ConstraintError::NotOfSteps { scheme: "blanes-moan-4" }));
 }
