@@ -41,7 +41,8 @@ where
     /// A step, after which a rod that carried more than its strength is removed.
     ///
     /// # Errors
-    /// Those of a step; the state is then as it was.
+    /// Those of a step, and of [`Rattle::set_constraint`] for the rods that are left; state and rods are then as
+    /// they were.
     pub fn step_and_break(
         &mut self,
         state: &mut State<C>,
@@ -58,7 +59,10 @@ where
         let Some((index, tension, _)) = heaviest else { return Ok((report, None)) };
         let mut rods = self.constraint().clone();
         let rod = rods.remove(index);
-        self.set_constraint(rods, state, choice)?;
+        if let Err(error) = self.set_constraint(rods, state, choice) {
+            self.step_back(state);
+            return Err(error);
+        }
         Ok((report, Some(Broken { index, rod, tension, time: state.t })))
     }
 }

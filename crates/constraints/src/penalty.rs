@@ -99,21 +99,14 @@ impl<K: Constraint> Penalty<K> {
     pub fn highest_frequency(&self, metric: &impl Metric, q: &[f64]) -> Result<f64, SizeError> {
         let (n, needed) = (metric.dim(), self.constraint.dim());
         SizeError::check("the metric's freedoms", needed, n.min(needed))?;
-        let mut v = Vector((0..n).map(|i| 1.0 + 0.618 * (i % 7) as f64).collect::<Vec<_>>());
-        let mut p = Covector(vec![0.0; n]);
+        let (mut v, mut p) = (Vector(vec![0.0; n]), Covector(vec![0.0; n]));
+        // Springs that are stretched, by lengths no two of which are in a ratio that a linkage is likely to have.
+        let first = |(row, square): (usize, &f64)| (1.0 + row as f64).sin() * square.sqrt();
+        let mut rates: Vec<f64> = self.inverse_square_slope.iter().enumerate().map(first).collect();
         let mut square = 0.0;
-        for _ in 0..POWERS {
-            let mut rates = vec![0.0; self.constraint.count()];
-            self.constraint.differential(
-                self.time,
-                q,
-                &mut Along { v: &v.0, rates: &mut rates },
-            )?;
-            for (rate, slope) in rates.iter_mut().zip(&self.inverse_square_slope) {
-                *rate *= self.stiffness * slope;
-            }
+        for _ in 0..=POWERS {
             p.clear();
-            add_pulled_back(&self.constraint, self.time, q, 1.0, &rates, p.view_mut())?;
+            add_pulled_back(&self.constraint, self.time, q, self.stiffness, &rates, p.view_mut())?;
             metric.sharp(p.view(), v.view_mut());
             square = p.apply(&v).sqrt();
             if square == 0.0 {
@@ -123,6 +116,14 @@ impl<K: Constraint> Penalty<K> {
             metric.flat(v.view(), flat.view_mut());
             let length = flat.apply(&v).sqrt();
             v.0.iter_mut().for_each(|x| *x /= length);
+            rates.fill(0.0);
+            self.constraint.differential(
+                self.time,
+                q,
+                &mut Along { v: &v.0, rates: &mut rates },
+            )?;
+            let slopes = rates.iter_mut().zip(&self.inverse_square_slope);
+            slopes.for_each(|(rate, slope)| *rate *= slope);
         }
         Ok(square.sqrt())
     }
@@ -254,6 +255,19 @@ mod tests {
             let penalty = Penalty::new(rod, 80.0, 0.0).unwrap();
             let highest = penalty.highest_frequency(&metric, &[0.6 * length, 0.8 * length]);
             assert!((highest.unwrap() - 4.0).abs() < 1e-12, "{length}");
+        }
+    }
+
+    #[test]
+    fn the_frequency_of_a_rod_does_not_depend_on_which_points_it_joins() {
+        let metric = DiagonalMetric::new(vec![1.0; 48]).unwrap();
+        for other in 1..16 {
+            let mut q = vec![0.0; 48];
+            q[3 * other] = 1.0;
+            let rods = Rods::<3>::new(16, vec![], vec![Rod::new([0, other], 1.0)]).unwrap();
+            let penalty = Penalty::new(rods, 2.0, 0.0).unwrap();
+            let highest = penalty.highest_frequency(&metric, &q).unwrap();
+            assert!((highest - 2.0).abs() < 1e-12, "{other}: {highest}");
         }
     }
 

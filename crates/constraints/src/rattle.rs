@@ -131,6 +131,12 @@ where
         &self.core.constraint
     }
 
+    /// Gives a state that has just been stepped what it was before.
+    pub(crate) fn step_back(&mut self, state: &mut State<C>) {
+        // A step leaves it there when it hands the new state over.
+        std::mem::swap(state, &mut self.core.next);
+    }
+
     /// The free motion: of a [`Forced`](crate::Forced) one the works of the last step's forces.
     pub fn motion(&self) -> &F {
         &self.core.motion

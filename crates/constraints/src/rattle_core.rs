@@ -71,6 +71,8 @@ pub(crate) struct RattleCore<'s, M, P, S, K, C, X: Multipliers, F> {
     g: X::Numbers,
     secants: Secants<X::Numbers>,
     warm: WarmStart<X::Numbers>,
+    /// Whether the step that is being made was misled by it.
+    misled: bool,
     /// The impulse at the start of the step that is being made.
     start: X::Numbers,
     passage: Passage<C>,
@@ -118,6 +120,7 @@ where
             g: numbers.clone(),
             secants: Secants::new(&numbers),
             warm: WarmStart::new(&numbers),
+            misled: false,
             start: numbers.clone(),
             passage: Passage::new(n)?,
             displacement: Vector(zeros(n)?),
@@ -184,8 +187,8 @@ where
     /// the iterations that were needed, and what is left of the violation.
     pub(crate) fn hold_configuration(&mut self, h: f64) -> Result<(u32, f64), ConstraintError> {
         let mut held = self.iterate(h, true);
-        if held.is_err() {
-            self.warm.forget();
+        self.misled = held.is_err();
+        if self.misled {
             self.next.p.copy_from(self.passage.before.view());
             held = self.iterate(h, false);
         }
@@ -412,6 +415,10 @@ where
         check_finite(&self.next)?;
         check_time(state.t + h)?;
         self.next.t = state.t + h;
+        // A step that is refused leaves what is known as it was.
+        if self.misled {
+            self.warm.forget();
+        }
         self.warm.remember((state.t, h), self.start.as_ref(), self.impulse.as_ref());
         std::mem::swap(state, &mut self.next);
         self.passage.see(self.there.solver.regularity());

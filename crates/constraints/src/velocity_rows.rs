@@ -49,14 +49,16 @@ impl RowLaw {
             RowLaw::Cone(friction) => {
                 let [normal, tangents @ ..] = lambda else { return };
                 let tangential = tangents.iter().fold(0.0_f64, |sum, t| sum.hypot(*t));
-                if tangential <= friction * *normal {
+                if *normal >= 0.0 && tangential <= friction * *normal {
                     return;
                 }
                 // On the cone's side, or at its tip where the polar cone is nearer.
                 let along =
                     (*normal + friction * tangential).max(0.0) / (1.0 + friction * friction);
                 *normal = along;
-                tangents.iter_mut().for_each(|t| *t *= friction * along / tangential);
+                // What pulls straight away has no tangents to shorten.
+                let share = if tangential > 0.0 { friction * along / tangential } else { 0.0 };
+                tangents.iter_mut().for_each(|t| *t *= share);
             }
         }
     }
@@ -327,6 +329,18 @@ mod tests {
                 let inner: f64 =
                     (0..rows).map(|i| (given[i] - nearest[i]) * (other[i] - nearest[i])).sum();
                 assert!(inner < 1e-14, "{law:?} {given:?} {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_pulls_straight_away_from_a_cone_is_moved_to_its_tip() {
+        for friction in [0.0, 0.5] {
+            for rows in 1..=3 {
+                let mut lambda = vec![0.0; rows];
+                lambda[0] = -1.0;
+                RowLaw::Cone(friction).nearest(&mut lambda);
+                assert_eq!(lambda, vec![0.0; rows], "{friction}");
             }
         }
     }

@@ -137,7 +137,8 @@ impl PrincipalFrame {
         }
         // Entries of a normal size, by a power of two.
         let size = if tensor.amax() > 0.0 { power_below(tensor.amax()) } else { 1.0 };
-        let eigen = SymmetricEigen::new(*tensor / size);
+        let symmetric = (tensor + tensor.transpose()) * 0.5;
+        let eigen = SymmetricEigen::new(symmetric / size);
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let column = |k: usize| eigen.eigenvectors.column(order[k]).into_owned();

@@ -18,6 +18,7 @@ use nalgebra::Vector3;
 use stationary_calculus::{SizeError, array, first_non_finite};
 use stationary_integrators::StepError;
 
+use crate::axis_rotations::first_axis;
 use crate::error::check_finite;
 use crate::stumpff::{SMALL_BELOW, sine_cosine, small};
 use crate::{Body, BodyMotion, BodySpace, Poses, RigidError, RigidMotion, Rotation};
@@ -156,7 +157,7 @@ impl BodyStore {
         check_finite("the velocity", motion.velocity.as_slice())?;
         let m = body.angular_momentum(&motion.angular_velocity);
         check_finite("the momentum", m.as_slice())?;
-        let first = body.moments().imin();
+        let first = first_axis(&body.inverse_moments());
         self.first_axis.push(first);
         let (group, k) = (&mut self.groups[index / LANES], index % LANES);
         group.quaternion[0][k] = q[0];
@@ -246,10 +247,19 @@ mod tests {
     use super::*;
     use crate::{BodyMethod, BodyMetric, LieGroup, PointMass, Weight};
 
-    /// Nineteen bodies: two groups and a part of one, with smallest moments about every axis.
+    /// Nineteen bodies: two groups and a part of one, with smallest moments about every axis, or about two or all.
     fn crowd(fast: f64) -> (Vec<Body>, Vec<BodyMotion>) {
-        let boxes = [[0.1, 0.2, 0.3], [0.3, 0.1, 0.2], [0.2, 0.3, 0.1], [0.2, 0.1, 0.1]];
-        let body = |k: usize| Body::solid_box(1.0 + 0.1 * k as f64, boxes[k % 4]).unwrap();
+        let boxes = [
+            [0.1, 0.2, 0.3],
+            [0.3, 0.1, 0.2],
+            [0.2, 0.3, 0.1],
+            [0.2, 0.1, 0.1],
+            [0.2, 0.2, 0.2],
+            [0.2, 0.1, 0.2],
+            [0.2, 0.2, 0.1],
+            [0.1, 0.2, 0.2],
+        ];
+        let body = |k: usize| Body::solid_box(1.0 + 0.1 * k as f64, boxes[k % 8]).unwrap();
         let motion = |k: usize| {
             let x = Vector3::new((k as f64).sin(), (2.0 * k as f64).cos(), (3.0 * k as f64).sin());
             let pose = RigidMotion { translation: x, rotation: Rotation::exp(x * 2.0) };

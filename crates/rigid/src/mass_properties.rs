@@ -145,8 +145,7 @@ impl SpatialMass {
     /// Those of [`PrincipalFrame::of`] and of [`Body::new`], and a centre that is not finite.
     pub fn body(&self) -> Result<(Body, RigidMotion), RigidError> {
         check_finite("the centre", self.centre.as_slice())?;
-        let symmetric = (self.inertia + self.inertia.transpose()) * 0.5;
-        let frame = PrincipalFrame::of(&symmetric)?;
+        let frame = PrincipalFrame::of(&self.inertia)?;
         let pose = RigidMotion { translation: self.centre, rotation: frame.rotation };
         Ok((Body::new(self.mass, frame.moments)?, pose))
     }

@@ -19,6 +19,7 @@ mod error;
 mod instant;
 mod linearization;
 mod mobility;
+mod second_rate;
 
 pub use assembly::{Assembly, assemble};
 pub use error::MechanismError;

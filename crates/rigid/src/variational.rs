@@ -70,7 +70,7 @@ impl FreeRotation for ConstantVelocity {
             let size = residual.amax();
             history[iteration as usize] = size;
             let settled = size <= ROUNDING * scale || (size >= 0.5 * last && size <= 1e-13 * scale);
-            if settled && h * w.norm() < PI {
+            if settled && (h * w.norm()).abs() < PI {
                 let turned = Turned::by(Rotation::exp(w * h), rotation, momentum);
                 let residual = if scale > 0.0 { size / scale } else { 0.0 };
                 return Ok(Turned { iterations: iteration, residual, ..turned });

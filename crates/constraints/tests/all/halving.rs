@@ -78,6 +78,33 @@ fn a_step_that_fails_in_its_smallest_parts_leaves_the_state() {
     assert_eq!(state, initial);
 }
 
+/// Steps, then fails, and tells the multipliers after both.
+fn before_and_after_a_failure(
+    mut method: impl ConstrainedIntegrator<[f64; 4]>,
+    initial: &State<[f64; 4]>,
+) -> [Vec<f64>; 2] {
+    let mut state = initial.clone();
+    method.step(&mut state, 1e-3).unwrap();
+    let before = method.multipliers().to_vec();
+    assert!(method.step(&mut state, 5.0).is_err());
+    [before, method.multipliers().to_vec()]
+}
+
+#[test]
+fn a_step_that_fails_leaves_the_multipliers_of_the_last() {
+    let (system, rods, initial) = double(10.0);
+    let rattle = || Rattle::new(&system, rods.clone(), &initial, FEW).unwrap();
+    let halved = Halving::new(rattle(), 1, &initial).unwrap();
+    let composed = Composed::new(rattle(), Scheme::Suzuki4, &initial).unwrap();
+    for [before, after] in [
+        before_and_after_a_failure(rattle(), &initial),
+        before_and_after_a_failure(halved, &initial),
+        before_and_after_a_failure(composed, &initial),
+    ] {
+        assert_eq!(before, after);
+    }
+}
+
 #[test]
 fn masses_that_differ_by_any_factor_are_held() {
     for exponent in -12..=12 {

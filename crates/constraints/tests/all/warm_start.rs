@@ -83,3 +83,22 @@ fn a_state_that_was_thrown_elsewhere_is_held_as_if_nothing_were_remembered() {
     let off = here.q.iter().zip(&fresh.q).fold(0.0_f64, |off, (a, b)| off.max((a - b).abs()));
     assert!(off < 1e-12, "{off:e}");
 }
+
+#[test]
+fn a_step_that_is_refused_changes_no_bit_of_the_next() {
+    let RodProblem { system, rods, initial } = writhing_chain(12, 100.0).unwrap();
+    let mut state = initial.clone();
+    let mut rattle = Rattle::new(&system, rods, &initial, REFUSE).unwrap();
+    for _ in 0..7 {
+        rattle.step(&mut state, 1e-4).unwrap();
+    }
+    let (mut refused, mut other) = (rattle.clone(), state.clone());
+    for h in [1.0, 1e5, f64::NAN] {
+        assert!(refused.step(&mut other, h).is_err());
+    }
+    for _ in 0..5 {
+        rattle.step(&mut state, 1e-4).unwrap();
+        refused.step(&mut other, 1e-4).unwrap();
+        assert_eq!(state, other);
+    }
+}

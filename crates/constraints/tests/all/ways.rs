@@ -445,3 +445,25 @@ fn a_parallelogram_that_lies_flat_has_no_rank() {
     let error = at(0.0).unwrap_err();
     assert!(matches!(error, ConstraintError::Singular { ratio, .. } if ratio < 1e-15), "{error}");
 }
+
+#[test]
+fn a_rod_whose_loss_is_refused_stays_and_so_does_the_state() {
+    // A weight in the middle of four hooks, two rods more than hold it.
+    let hooks = vec![[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
+    let rods = (1..=4).map(|hook| Rod::new([0, hook], 1.0).with_strength(0.1)).collect();
+    let rods = Rods::new(1, hooks, rods).unwrap();
+    let metric = DiagonalMetric::new([1.0; 2]).unwrap();
+    let gravity = UniformGravity { acceleration: [0.3, -1.0], masses: vec![1.0] };
+    let system = System::new(metric, gravity).unwrap();
+    let initial = State::new([0.0; 2], Covector([0.0; 2]));
+    let share = SparseDiagonal(Redundancy::LeastNorm);
+    let mut rattle = Rattle::new(&system, rods.clone(), &initial, share).unwrap();
+    let mut state = initial.clone();
+    // Three are still too many for a solver that refuses.
+    let refuse = SparseDiagonal(Redundancy::Refuse);
+    let error = rattle.step_and_break(&mut state, 1e-3, refuse).unwrap_err();
+    assert!(matches!(error, ConstraintError::Singular { row: 2, .. }), "{error}");
+    assert_eq!((&state, rattle.constraint()), (&initial, &rods));
+    let (_, broken) = rattle.step_and_break(&mut state, 1e-3, share).unwrap();
+    assert_eq!((broken.unwrap().time, state.t), (1e-3, 1e-3));
+}

@@ -3,7 +3,8 @@
 //! ```text
 //! min 1/2 |D g(q)|^2,     (A A^T + mu diag(A A^T)) y = D g,    q <- q exp(-M^-1/2 A^T y)
 //! ```
-//! `A = D J M^-1/2`; `mu` the damping of Levenberg and Marquardt, which falls where a
+//! `A = D J M^-1/2`; `D` one over slope and length of each equation, so that gaps of metres and of radians are parts of
+//! their own things; `mu` the damping of Levenberg and Marquardt, which falls where a
 //! step helps and grows where it does not. Redundant equations do no harm. It ends at a closed pose, or
 //! where the gap is smallest although open: then no pose near is closed. Heavy bodies move least; where
 //! light ones alone find no way, all move alike, with radii of gyration for `M^-1/2`.
@@ -30,8 +31,9 @@ pub struct Assembly {
 
 /// Steps at most.
 const ITERATIONS: u32 = 500;
-/// Gaps of this part of the mechanism's lengths are closed.
+/// A gap of this part of its equation's length is closed, and one of so many roundings of a place.
 const CLOSED: f64 = 1e-13;
+const ROUNDINGS: f64 = 8.0;
 /// A gap whose slope is this part of itself does not close.
 const LEVEL: f64 = 1e-7;
 
@@ -62,31 +64,38 @@ fn closed<S: BodySpace>(
     t: f64,
     guess: &[f64],
 ) -> Result<Assembly, MechanismError> {
-    let (n, count, weights) = (scales.len(), constraint.count(), weights(constraint));
+    let (n, count) = (scales.len(), constraint.count());
     let lengths = DVector::from_fn(count, |row, _| constraint.scale(row).length);
+    let weights = weights(constraint).component_div(&lengths);
     let values = |q: &[f64]| -> Result<DVector<f64>, MechanismError> {
         let mut g = vec![0.0; count];
         constraint.value(t, q, &mut g)?;
         Ok(DVector::from_vec(g).component_mul(&weights))
     };
-    let allowed = |q: &[f64]| {
-        let far = q.iter().fold(0.0_f64, |far, q| far.max(q.abs()));
-        CLOSED * lengths.amax() + 8.0 * f64::EPSILON * far
+    let is_closed = |q: &[f64], g: &DVector<f64>| {
+        // A place is rounded, and a quaternion's numbers are no lengths.
+        let places = q.chunks(S::STORED).flat_map(|q| q.iter().take(S::TRANSLATION));
+        let far = places.fold(0.0_f64, |far, x| far.max(x.abs()));
+        let allowed = |length: &f64| CLOSED + ROUNDINGS * f64::EPSILON * far / length;
+        g.iter().zip(&lengths).all(|(g, length)| g.abs() <= allowed(length))
     };
     let mut q = guess.to_vec();
     let mut g = values(&q)?;
     let mut damping = 1e-6;
     for iterations in 0..ITERATIONS {
         check_finite("the gaps", g.as_slice())?;
-        if count == 0 || g.amax() <= allowed(&q) {
-            let gap = if count == 0 { 0.0 } else { g.amax() };
+        if is_closed(&q, &g) {
+            let gap = g
+                .iter()
+                .zip(&lengths)
+                .fold(0.0, |gap, (g, length)| f64::max(gap, g.abs() * length));
             return Ok(Assembly { q, gap, iterations });
         }
         let mut a = full(constraint, n, t, &q)?;
         scale(&mut a, &weights, scales)?;
         let slopes = DVector::from_iterator(count, a.row_iter().map(|row| row.norm()));
         if a.tr_mul(&g).norm() <= LEVEL * slopes.component_mul(&g).norm() {
-            let (row, name, gap) = worst(constraint, &g);
+            let (row, name, gap) = worst(constraint, &g, &lengths);
             return Err(MechanismError::NotAssembled { row, name, gap });
         }
         let mut matrix = &a * a.transpose();
@@ -109,16 +118,20 @@ fn closed<S: BodySpace>(
             _ => damping *= 10.0,
         }
         if damping > 1e15 {
-            let (row, name, gap) = worst(constraint, &g);
+            let (row, name, gap) = worst(constraint, &g, &lengths);
             return Err(MechanismError::NotAssembled { row, name, gap });
         }
     }
-    let (row, name, gap) = worst(constraint, &g);
+    let (row, name, gap) = worst(constraint, &g, &lengths);
     Err(MechanismError::TooFar { iterations: ITERATIONS, row, name, gap })
 }
 
-/// The equation that is open most, its name and by how much.
-fn worst(constraint: &impl Constraint, g: &DVector<f64>) -> (usize, String, f64) {
+/// The equation that is open most beside its length, its name and by how much.
+fn worst(
+    constraint: &impl Constraint,
+    g: &DVector<f64>,
+    lengths: &DVector<f64>,
+) -> (usize, String, f64) {
     let row = g.iamax();
-    (row, equation_name(constraint, row), g[row].abs())
+    (row, equation_name(constraint, row), g[row].abs() * lengths[row])
 }

@@ -48,6 +48,16 @@ pub enum MechanismError {
         /// What is left of them, relative to their terms.
         residual: f64,
     },
+    /// A drive whose speed jumps has no acceleration then.
+    #[error("{name} is driven with a speed that jumps at {t} s: ask before or after it")]
+    RateJumps {
+        /// The equation, counted from 0.
+        row: usize,
+        /// The same with the name of what drives it.
+        name: String,
+        /// The time, seconds.
+        t: f64,
+    },
     /// A pose that no forces of the joints hold.
     #[error("the pose is no equilibrium: {residual:e} of its forces is left")]
     NotAtRest {

@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! M a + J^T lambda = f,     f = -dV + F(t, q, v) + (0, m x w)
-//! J a = -(v^T d2g v + d2g/dt2)
-//! B z = R (J M^-1 f + v^T d2g v + d2g/dt2),    B^T R^-1 lambda = z,    a = M^-1 f - M^-1/2 z
+//! J a = -b,      b = v^T d2g v + 2 v d(dg/dt) + d2g/dt2
+//! B z = R (J M^-1 f + b),    B^T R^-1 lambda = z,    a = M^-1 f - M^-1/2 z
 //! ```
 //! `B = R J M^-1/2` of independent equations, rows of length 1, so that masses far apart cost no more
 //! digits than they must; `a` the rates of the velocities (world axes, and body axes), `lambda` the
 //! multipliers with the signs and units of the joints, `m w` angular momentum and velocity in body axes.
 //! Where equations are redundant, the multipliers are those of the smallest norm in reference scales and
-//! the accelerations the only ones. The second rate of a drive is a difference of its first, good to ten
-//! digits.
+//! the accelerations the only ones. The second rate of a drive is a difference of its first over a time that suits it,
+//! good to ten digits.
 
 use nalgebra::{DVector, Vector3};
 use stationary_calculus::{
@@ -22,6 +22,7 @@ use stationary_constraints::Constraint;
 use super::MechanismError;
 use super::differential::{DEPENDENT, Held, full, geometric, inverse_roots, weights};
 use super::error::check_finite;
+use super::second_rate::second_rates;
 use crate::{BodyMetric, BodySpace};
 
 /// What holds at an instant.
@@ -35,14 +36,12 @@ pub struct Instant {
 
 /// What is left of the equations may be this part of their terms.
 const LEFT: f64 = 1e-8;
-/// Seconds between the rates of drives from which their second rates are made.
-const DIFFERENCE: f64 = 1e-3;
 
 /// The accelerations and multipliers of bodies at a time, a configuration and velocities `v`.
 ///
 /// # Errors
 /// Sizes that do not fit, numbers that are not finite, [`MechanismError::Contradictory`] where no
-/// accelerations and forces satisfy the equations.
+/// accelerations and forces satisfy the equations, [`MechanismError::RateJumps`] where a drive has none.
 pub fn instant<P: Potential, S: BodySpace>(
     system: &System<BodyMetric<S>, P, S>,
     constraint: &impl Constraint,
@@ -51,6 +50,7 @@ pub fn instant<P: Potential, S: BodySpace>(
 ) -> Result<Instant, MechanismError> {
     let (n, metric) = (system.dim(), system.metric());
     SizeError::check("the velocities", n, v.len())?;
+    check_finite("the time", &[t])?;
     check_finite("the configuration", q)?;
     check_finite("the velocities", v)?;
     let j = full(constraint, n, t, q)?;
@@ -61,7 +61,7 @@ pub fn instant<P: Potential, S: BodySpace>(
         metric.sharp(Covector(p), u.view_mut());
         DVector::from_vec(u.0)
     };
-    let (falling, bend) = (sharp(&free.0), bend(constraint, (t, q, v))?);
+    let (falling, bend) = (sharp(&free.0), bend::<S>(constraint, (t, q, v))?);
     if constraint.count() == 0 {
         return Ok(Instant { accelerations: falling.data.into(), multipliers: Vec::new() });
     }
@@ -114,13 +114,13 @@ fn free_forces<P: Potential, S: BodySpace>(
     f
 }
 
-/// `v^T d2g v + d2g/dt2` of each equation.
-fn bend(
+/// `v^T d2g v + 2 v d(dg/dt) + d2g/dt2` of each equation.
+fn bend<S: BodySpace>(
     constraint: &impl Constraint,
     (t, q, v): (f64, &[f64], &[f64]),
 ) -> Result<DVector<f64>, MechanismError> {
     let count = constraint.count();
-    let mut bend = DVector::zeros(count);
+    let mut bend = DVector::from_vec(second_rates::<S>(constraint, (t, q, v))?);
     let (mut one, mut product) = (vec![0.0; count], vec![0.0; v.len()]);
     for row in 0..count {
         one[row] = 1.0;
@@ -129,14 +129,7 @@ fn bend(
             constraint.add_hessian(t, q, &one, &mut sink)?;
         }
         one[row] = 0.0;
-        bend[row] = product.iter().zip(v).map(|(p, v)| p * v).sum();
-    }
-    let mut rate = vec![0.0; count];
-    for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
-        constraint.rate(t + steps * DIFFERENCE, q, &mut rate)?;
-        for (bend, rate) in bend.iter_mut().zip(&rate) {
-            *bend += weight * rate / (12.0 * DIFFERENCE);
-        }
+        bend[row] += product.iter().zip(v).map(|(p, v)| p * v).sum::<f64>();
     }
     Ok(bend)
 }

@@ -15,6 +15,7 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
+use stationary_calculus::SizeError;
 
 use super::error::{Joining, TreeError, check_numbers};
 use crate::{Body, JointFault, JointKind, LieGroup, RigidMotion, Rotation};
@@ -200,7 +201,7 @@ impl Tree {
     pub fn rates(&self, q: &[f64], v: &[f64], rates: &mut [f64]) -> Result<(), TreeError> {
         self.check_coordinates(q)?;
         self.check_speeds("the speeds", v)?;
-        check_numbers("the rates", self.coordinates, rates)?;
+        SizeError::check("the rates", self.coordinates, rates.len())?;
         self.write_rates(q, v, rates);
         Ok(())
     }

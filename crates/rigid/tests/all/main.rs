@@ -1,5 +1,6 @@
 //! What holds of `stationary-rigid`, in one binary: what is generic is compiled once.
 
+mod backward;
 mod bad_input;
 mod body_forces;
 mod contradictions;

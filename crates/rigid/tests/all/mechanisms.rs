@@ -1,18 +1,18 @@
 //! Mechanisms that stand still: mobility, assembly, forces at an instant, small swings.
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, Potential, System, assert_derivatives};
+use stationary_calculus::{Covector, Potential, Sink, SizeError, System, assert_derivatives};
 use stationary_constraints::{
     Composed, ConstrainedIntegrator, Constraint, ConstraintError, Forced, Rattle, Redundancy,
-    RowLaw, SparseDiagonal, VelocityRows,
+    RowLaw, Rows, SparseDiagonal, VelocityRows,
 };
 use stationary_integrators::{Scheme, State};
-use stationary_measure::loglog_slope;
+use stationary_measure::{SplitMix64, loglog_slope};
 use stationary_rigid::{
-    Along, Body, BodyForces, BodyMetric, BodyMotion, ConstantVelocity, Drive, ExactRotation,
-    FreeBodies, Joint, JointEnd, JointFriction, JointKind, JointLimits, LieGroup, MechanismError,
-    Mobility, PointMass, Poses, RigidMotion, Rotation, Schedule, Weight, assemble, instant,
-    linearize, mobility,
+    Along, AxisRotations, Body, BodyForces, BodyMetric, BodyMotion, ConstantVelocity, Drive,
+    ExactRotation, FreeBodies, FreeRotation, Joint, JointEnd, JointFriction, JointKind,
+    JointLimits, LieGroup, MechanismError, Mobility, PointMass, Poses, RigidMotion, Rotation,
+    Schedule, Weight, assemble, instant, linearize, mobility,
 };
 
 type Weighed = System<BodyMetric<Poses>, Weight<Poses>, Poses>;
@@ -276,7 +276,14 @@ fn a_hanging_pendulum_is_linearized_to_its_frequency_and_upside_down_to_its_rate
 }
 
 #[test]
-fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_free() {
+fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_free_along_every_map()
+{
+    composed_along(ExactRotation);
+    composed_along(AxisRotations);
+    composed_along(ConstantVelocity);
+}
+
+fn composed_along<R: FreeRotation + Copy + std::fmt::Debug>(map: R) {
     let system = bodies(2);
     let z = Vector3::z();
     let hinge = joint(2, HINGE, hung());
@@ -292,7 +299,7 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
     let initial = system.metric().state(&[first, second]).unwrap();
     let run = |scheme: Scheme, steps: u32| {
         let equations = SparseDiagonal(Redundancy::Refuse);
-        let motion = FreeBodies(ExactRotation);
+        let motion = FreeBodies(map);
         let rattle = Rattle::along(motion, &system, &held, &initial, equations).unwrap();
         let mut method = Composed::new(rattle, scheme, &initial).unwrap();
         let (mut state, mut seen) = (initial.clone(), Vec::new());
@@ -315,11 +322,10 @@ fn rattle_is_composed_to_orders_four_and_six_with_joints_that_are_driven_and_fre
             (1.0 / f64::from(steps), error)
         });
         let (slope, order) = (loglog_slope(&points).unwrap(), scheme.facts().order);
-        assert!((slope - f64::from(order)).abs() < 0.3, "{slope} {points:?}");
+        assert!((slope - f64::from(order)).abs() < 0.3, "{map:?}: {slope} {points:?}");
     }
     let equations = SparseDiagonal(Redundancy::Refuse);
-    let rattle =
-        Rattle::along(FreeBodies(ExactRotation), &system, &held, &initial, equations).unwrap();
+    let rattle = Rattle::along(FreeBodies(map), &system, &held, &initial, equations).unwrap();
     let error = Composed::new(rattle, Scheme::BlanesMoan4, &initial).unwrap_err();
     assert!(matches!(error, ConstraintError::NotOfSteps { scheme: "blanes-moan-4" }));
 }
@@ -363,6 +369,135 @@ fn limits_and_friction_are_rows_along_the_joint_and_limits_in_the_wrong_order_ar
     let error =
         JointFriction::new(Poses, 1, (Along::Turn, Vector3::y()), hung(), -0.5).unwrap_err();
     assert!(error.to_string().contains("the friction's bound is -0.5"), "{error}");
+}
+
+/// A shift that swings at a rate, or turns back at 0.4 s at once.
+#[derive(Clone, Copy, Debug)]
+enum Shift {
+    Swings(f64),
+    TurnsBack,
+}
+
+impl Schedule for Shift {
+    fn at<R: stationary_calculus::Number>(&self, t: R) -> R {
+        match self {
+            Shift::Swings(rate) => (t * *rate).sin() * 0.1,
+            Shift::TurnsBack => ((t - 0.4) * (t - 0.4)).sqrt(),
+        }
+    }
+}
+
+#[test]
+fn a_drive_has_the_acceleration_of_its_schedule_at_an_instant_however_fast_it_swings() {
+    let system = bodies(1);
+    let (t, ends) = (0.4, [JointEnd::world(Vector3::zeros()), JointEnd::on(0, Vector3::zeros())]);
+    let slider = joint(1, JointKind::Slider { axis: Vector3::x() }, ends);
+    let along = |schedule, x: f64, speed: f64| {
+        let drive = Drive::new(Poses, 1, Along::Shift, Vector3::x(), ends, schedule).unwrap();
+        let (q, v) = ([x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [speed, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        instant(&system, &(&slider, drive), &None::<BodyForces<Poses>>, (t, &q, &v))
+    };
+    for rate in [0.0, 1e-3, 1.0, 30.0, 1e3, 6e3, 1e5] {
+        let (sine, cosine) = (rate * t).sin_cos();
+        let found = along(Shift::Swings(rate), 0.1 * sine, 0.1 * rate * cosine).unwrap();
+        let off = (found.accelerations[0] + 0.1 * rate * rate * sine).abs();
+        assert!(off <= 1e-10 * rate * rate, "{rate}: {off:e}");
+    }
+    let error = along(Shift::TurnsBack, 0.0, 1.0).unwrap_err().to_string();
+    assert!(error.contains("shifting drive") && error.contains("jumps at 0.4 s"), "{error}");
+}
+
+/// What keeps a body's centre on a plane through the third axis that turns at a rate.
+#[derive(Debug)]
+struct TurningPlane(f64);
+
+impl TurningPlane {
+    /// Its normal, and how that changes.
+    fn normal(&self, t: f64) -> [[f64; 2]; 2] {
+        let (sine, cosine) = (self.0 * t).sin_cos();
+        [[-sine, cosine], [-cosine * self.0, -sine * self.0]]
+    }
+}
+
+impl Constraint for TurningPlane {
+    fn dim(&self) -> usize {
+        6
+    }
+
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn value(&self, t: f64, q: &[f64], g: &mut [f64]) -> Result<(), SizeError> {
+        let [[x, y], _] = self.normal(t);
+        g[0] = x * q[0] + y * q[1];
+        Ok(())
+    }
+
+    fn differential(&self, t: f64, _: &[f64], rows: &mut impl Rows) -> Result<(), SizeError> {
+        let [normal, _] = self.normal(t);
+        (0..2).for_each(|c| rows.add(0, c, normal[c]));
+        Ok(())
+    }
+
+    fn add_hessian(
+        &self,
+        _: f64,
+        _: &[f64],
+        _: &[f64],
+        _: &mut impl Sink,
+    ) -> Result<(), SizeError> {
+        Ok(())
+    }
+
+    fn rate(&self, t: f64, q: &[f64], rate: &mut [f64]) -> Result<(), SizeError> {
+        let [_, [x, y]] = self.normal(t);
+        rate[0] = x * q[0] + y * q[1];
+        Ok(())
+    }
+}
+
+#[test]
+fn what_slides_outward_on_a_turning_plane_is_pushed_on_with_twice_its_speed_times_the_rate() {
+    let (t, turn, outward, away) = (0.3_f64, 1.7, 0.8, 2.0);
+    let (sine, cosine) = (turn * t).sin_cos();
+    let (along, across) = ([cosine, sine, 0.0], [-sine, cosine, 0.0]);
+    let q = [away * cosine, away * sine, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let mut v = [0.0; 6];
+    (0..3).for_each(|c| v[c] = outward * along[c] + turn * away * across[c]);
+    let (system, nothing) = (bodies(1), None::<BodyForces<Poses>>);
+    let found = instant(&system, &TurningPlane(turn), &nothing, (t, &q, &v)).unwrap();
+    for c in 0..2 {
+        let off = found.accelerations[c] - 2.0 * outward * turn * across[c];
+        assert!(off.abs() < 1e-10, "{c}: {off:e}");
+    }
+}
+
+#[test]
+fn universal_joints_of_every_size_close_from_near_to_a_part_in_a_million_million() {
+    let mut noise = SplitMix64::new(1);
+    let mut draw = || Vector3::from_fn(|_, _| noise.symmetric());
+    for unit in [1e-5, 1e-2, 1.0, 1e4] {
+        let body = Body::solid_box(1.0, [unit; 3]).unwrap();
+        let metric = BodyMetric::<Poses>::new(vec![body]);
+        for _ in 0..1000 {
+            let kind = JointKind::Universal { axes: [draw(), draw()] };
+            let pose = RigidMotion { translation: draw() * unit, rotation: Rotation::exp(draw()) };
+            let frame = RigidMotion { translation: draw() * unit, rotation: Rotation::exp(draw()) };
+            let own = JointEnd::where_it_stands(0, &pose, &frame);
+            let held = joint(1, kind, [JointEnd { body: None, frame }, own]);
+            let translation = pose.translation + draw() * (0.05 * unit);
+            let rotation = pose.rotation.compose(&Rotation::exp(draw() * 0.1));
+            let guess = [translation.as_slice(), &rotation.quaternion()].concat();
+            let closed = assemble(&metric, &held, 0.0, &guess).unwrap();
+            let mut gaps = [0.0; 4];
+            held.value(0.0, &closed.q, &mut gaps).unwrap();
+            let parts =
+                gaps.iter().zip([unit, unit, unit, 1.0]).map(|(gap, length)| gap.abs() / length);
+            let worst = parts.fold(0.0, f64::max);
+            assert!(worst < 1e-12, "{unit}: {gaps:?}");
+        }
+    }
 }
 
 #[test]

@@ -146,3 +146,14 @@ fn a_mass_or_an_inertia_out_of_range_is_refused_where_the_shape_is_given_its_den
     let error = PlanarMass::of(1e150, &plane(1.0, 1e200)).unwrap_err();
     assert!(matches!(error, RigidError::NonFinite { what: "the inertia", .. }), "{error}");
 }
+
+#[test]
+fn an_inertia_that_is_not_symmetric_is_refused_by_its_entry_and_rounding_is_not() {
+    let mass = solid(2.0, block([0.1, 0.2, 0.3], [0.4, 0.5, 0.6]));
+    let turn = Rotation::exp(Vector3::new(0.3, -1.1, 0.7));
+    let mut moved = mass.moved(&RigidMotion { translation: Vector3::x(), rotation: turn });
+    moved.body().unwrap();
+    moved.inertia[(2, 0)] += 1e-3;
+    let error = moved.body().unwrap_err();
+    assert!(matches!(error, RigidError::NotSymmetric { row: 2, column: 0, .. }), "{error}");
+}

@@ -145,3 +145,11 @@ fn a_step_that_cannot_be_taken_leaves_the_state() {
     let stretched = method.step(&mut moved, 0.1);
     assert!(matches!(stretched, Err(StepError::Configuration { number: 0 })), "{stretched:?}");
 }
+
+#[test]
+fn rates_are_written_whatever_stood_in_their_place() {
+    let tree = second(Some(0), HINGE).unwrap();
+    let (q, mut rates) = (tree.rest(), [f64::NAN; 5]);
+    tree.rates(&q, &[0.1, 0.2, 0.3, 0.4], &mut rates).unwrap();
+    assert_eq!(rates, [0.0, 0.05, 0.1, 0.15, 0.4]);
+}
