@@ -13,9 +13,10 @@ use std::time::Instant;
 
 use stationary_calculus::{Covector, Metric, Potential, SizeError, System, Vector};
 use stationary_integrators::{
-    BackwardDifferences, Cost, DormandPrince54, DormandPrince853, Evaluation, Horizon, Integrator,
-    MechanicalField, Method, Moment, NystromMethod8, NystromMethod12, RadauIia5, SimulationError,
-    State, StepControl, StepError, Tolerance, simulate,
+    AdaptiveError, BackwardDifferences, ControlError, Cost, DormandPrince54, DormandPrince853,
+    Evaluation, Horizon, Integrator, MechanicalField, Method, Moment, NystromMethod8,
+    NystromMethod12, RadauIia5, SimulationError, State, StepControl, StepError, Tolerance,
+    simulate,
 };
 
 use crate::dense_output::{self, NoStart, Own, See};
@@ -35,6 +36,8 @@ pub const FEW: usize = 64;
 pub const PLACES: usize = 6;
 /// Steps between two looks at the clock.
 const CLOCK: u64 = 256;
+/// The smallest size of which every tolerance is a part that has a number.
+const SMALLEST: f64 = 1e-290;
 
 /// The motion of a system from a state, and what is observed of it.
 pub struct Motion<'s, M, P, O> {
@@ -178,8 +181,7 @@ where
         }
         for method in ADAPTIVE {
             let made = self.adaptive(method, 0.1);
-            let facts =
-                made.map_err(|_| QuestionError::NotFinite { what: "dV", place: 0 })?.facts();
+            let facts = made.map_err(|error| not_begun(&error, n))?.facts();
             if facts.evaluation == Evaluation::Implicit && n > FEW {
                 continue;
             }
@@ -341,6 +343,32 @@ where
     }
 }
 
+/// Why a method of n freedoms does not begin: it counts configurations first, then momenta.
+fn not_begun(error: &NoStart, n: usize) -> QuestionError {
+    let of_one = |whats: [&'static str; 2], place: usize| {
+        let (what, place) = match place.checked_sub(n) {
+            Some(place) => (whats[1], place),
+            None => (whats[0], place),
+        };
+        QuestionError::NotFinite { what, place }
+    };
+    match error {
+        NoStart::Start(AdaptiveError::NonFinite { what: "f", component, .. }) => {
+            of_one(["the velocity", "dV"], *component)
+        }
+        NoStart::Start(AdaptiveError::NonFinite { what, component, .. }) => {
+            QuestionError::NotFinite { what, place: *component }
+        }
+        NoStart::Tolerance(ControlError::Absolute { component, .. }) => {
+            of_one(["the size of the configuration", "the size of the momentum"], *component)
+        }
+        // Sizes, orders and tolerances are this file's own.
+        NoStart::Start(_) | NoStart::Tolerance(_) => {
+            QuestionError::NotFinite { what: "the start", place: 0 }
+        }
+    }
+}
+
 fn failure(error: &SimulationError) -> Failure {
     let said = error.to_string();
     let said = said.lines().next().unwrap_or_default().to_owned();
@@ -397,13 +425,33 @@ fn sizes<M: Metric, P: Potential>(
     system.potential().add_differential(&start.q, Covector(dv.as_mut_slice()));
     check("dV", &dv, n)?;
     let (speed, acceleration) = (sharp(start.p.components()), sharp(&dv));
-    let positive = |x: &f64| *x > 0.0 && x.is_finite();
+    let positive = |x: &f64| *x > SMALLEST && x.is_finite();
     let lengths = [largest(&start.q), speed * horizon, acceleration * horizon * horizon, 1.0];
     let length = lengths.into_iter().find(positive).unwrap_or(1.0);
-    let speed = speed.max(length / horizon);
+    let speed = [speed.max(length / horizon)].into_iter().find(positive).unwrap_or(1.0);
     let mut p = vec![0.0; n];
     system.metric().flat(Vector(vec![speed; n].as_slice()), Covector(p.as_mut_slice()));
-    let heaviest = largest(&p);
+    let heaviest = [largest(&p)].into_iter().find(positive).unwrap_or(1.0);
     let momentum = |p: &f64| if positive(&p.abs()) { p.abs() } else { heaviest };
     Ok(std::iter::repeat_n(length, n).chain(p.iter().map(momentum)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_that_does_not_begin_names_the_number_that_is_wrong() {
+        let start =
+            |what, component| NoStart::Start(AdaptiveError::NonFinite { what, t: 0.0, component });
+        let size = NoStart::Tolerance(ControlError::Absolute { component: 4, value: 0.0 });
+        for (error, what, place) in [
+            (start("f", 1), "the velocity", 1),
+            (start("f", 3), "dV", 1),
+            (start("dV", 1), "dV", 1),
+            (size, "the size of the momentum", 2),
+        ] {
+            assert_eq!(not_begun(&error, 2), QuestionError::NotFinite { what, place });
+        }
+    }
 }

@@ -38,6 +38,10 @@ mod urdf;
 mod mjcf;
 #[cfg(feature = "mjcf")]
 mod passed_over;
+#[cfg(feature = "mjcf")]
+mod reading_order;
+#[cfg(feature = "mjcf")]
+mod turns;
 
 pub use error::ImportError;
 #[cfg(feature = "mjcf")]

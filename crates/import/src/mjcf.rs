@@ -370,7 +370,9 @@ fn outline(geom: &Geom) -> Option<Outline> {
 /// The pieces of a body in its own frame: as it is written, or its shapes.
 fn pieces(model: &Model, body: &Body, name: &str) -> Result<Vec<SpatialMass>, ImportError> {
     let from = model.compiler.inertia_from_geom;
-    if let Some(inertial) = body.inertial.as_ref().filter(|_| from != InertiaFromGeom::True) {
+    // A body without shapes keeps what is written, whatever the compiler says.
+    let written = from != InertiaFromGeom::True || body.geoms.is_empty();
+    if let Some(inertial) = body.inertial.as_ref().filter(|_| written) {
         let inertia = match inertial.inertia {
             InertiaSpec::Diagonal(moments) => Matrix3::from_diagonal(&Vector3::from(moments)),
             InertiaSpec::Full([xx, yy, zz, xy, xz, yz]) => {

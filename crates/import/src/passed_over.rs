@@ -8,6 +8,8 @@ use mjcf_rs::Model;
 use roxmltree::{Document, Node};
 
 use crate::ImportError;
+use crate::reading_order::{Before, late};
+use crate::turns::{TURNS, turn_refused};
 
 /// Forces of a medium.
 const MEDIUM: [&str; 3] = ["density", "viscosity", "wind"];
@@ -39,8 +41,18 @@ pub(crate) struct PassedOver {
 struct File {
     /// What tells it from the first, which has no name.
     name: String,
+    /// Where it is, without links; empty of the first.
+    path: PathBuf,
     folder: PathBuf,
     text: String,
+}
+
+impl File {
+    /// An element, as errors name it.
+    fn place(&self, node: Node<'_, '_>) -> String {
+        let line = node.document().text_pos_at(node.range().start).row;
+        format!("{}, line {line}{}", node.tag_name().name(), self.name)
+    }
 }
 
 /// The files of the models that a model is part of, and how many were read.
@@ -53,7 +65,6 @@ struct Above {
 /// A model that another names, to attach bodies of it.
 struct Attachable {
     name: String,
-    path: PathBuf,
     file: File,
 }
 
@@ -77,7 +88,8 @@ struct Class {
 
 /// What the reader passes over in a text and in the files that it names in `folder`.
 pub(crate) fn passed_over(text: &str, folder: &Path) -> Result<PassedOver, ImportError> {
-    let file = File { name: String::new(), folder: folder.to_owned(), text: text.to_owned() };
+    let (name, path) = (String::new(), PathBuf::new());
+    let file = File { name, path, folder: folder.to_owned(), text: text.to_owned() };
     model(file, &mut Above::default())
 }
 
@@ -103,10 +115,11 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
             let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
             let text = fs::read_to_string(&path);
             let path = path.canonicalize().unwrap_or(path);
-            let file = |text| File { name: format!(" of {name}"), folder, text };
+            let of = format!(" of {name}");
+            let file = |text| File { name: of, path: path.clone(), folder, text };
             let refused = |what| ImportError::Unsupported { what, name: name.to_owned() };
             if tag == "include" {
-                if !seen.insert(path) {
+                if !seen.insert(path.clone()) {
                     return Err(refused("a file that is included twice"));
                 }
                 // One that is not there is the reader's to refuse.
@@ -122,7 +135,7 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
             }
             let text = text.map_err(|_| refused("a model whose file cannot be read"))?;
             let name = node.attribute("name").unwrap_or(name).to_owned();
-            parts.push(Attachable { name, path, file: file(text) });
+            parts.push(Attachable { name, file: file(text) });
         }
         files.extend(more);
         next += 1;
@@ -134,20 +147,28 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
             class(node, None, &mut classes);
         }
     }
+    let included = |file: usize, name: &str| {
+        let path = files[file].folder.join(name);
+        let path = path.canonicalize().unwrap_or(path);
+        files.iter().position(|file| file.path == path)
+    };
+    if let Some((file, node, what)) = late(0, &included, &read, &mut Before::default()) {
+        return Err(ImportError::Unsupported { what, name: files[file].place(node) });
+    }
     let mut out = PassedOver::default();
     for (file, read) in files.iter().zip(&read) {
         for node in read.descendants().filter(Node::is_element) {
-            let (tag, line) = (node.tag_name().name(), read.text_pos_at(node.range().start).row);
-            let place = format!("{tag}, line {line}{}", file.name);
-            if let Some(what) = refused(node, &classes) {
+            let place = file.place(node);
+            let what = refused(node, &classes).or_else(|| turn_refused(node));
+            if let Some(what) = what.or_else(|| class_refused(node, &classes)) {
                 return Err(ImportError::Unsupported { what, name: place });
             }
             told(node, &place, &mut out);
         }
     }
     let mut attachable = HashMap::new();
-    for Attachable { name, path, file } in parts {
-        above.files.push(path);
+    for Attachable { name, file } in parts {
+        above.files.push(file.path.clone());
         out.left_out.extend(model(file, above)?.left_out);
         // Now that it ends: a reader would follow a model that is a part of itself for ever.
         if let Some(path) = above.files.pop() {
@@ -186,8 +207,7 @@ fn check_attached(
 
 /// What a shape says itself.
 fn said(geom: Node<'_, '_>) -> Said {
-    let turns = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
-    let turned = turns.iter().any(|turn| geom.has_attribute(*turn));
+    let turned = TURNS.iter().any(|turn| geom.has_attribute(*turn));
     Said {
         pose: [geom.has_attribute("pos"), turned, geom.has_attribute("fromto")],
         sizes: geom.attribute("size").map_or(0, |size| size.split_whitespace().count()),
@@ -248,6 +268,10 @@ fn refused(node: Node<'_, '_>, classes: &HashMap<String, Class>) -> Option<&'sta
             let own = node.attribute("class").is_some_and(|class| class != "main");
             own.then_some("a class of all that is not called main")
         }
+        "weld" => {
+            let numbers = node.attribute("relpose")?.split_whitespace().count();
+            (numbers != 7).then_some("a pose of a weld that is not seven numbers")
+        }
         "worldbody" if node.has_attribute("childclass") => Some("a class of the whole world"),
         "compiler" if node.has_attribute("inertiagrouprange") => {
             Some("masses of some groups of shapes")
@@ -280,6 +304,15 @@ fn refused(node: Node<'_, '_>, classes: &HashMap<String, Class>) -> Option<&'sta
         }
         _ => None,
     }
+}
+
+/// Why what is of a class would have nothing of it: the reader takes a name that it does not know for no class.
+fn class_refused(node: Node<'_, '_>, classes: &HashMap<String, Class>) -> Option<&'static str> {
+    let of_one = ["joint", "geom", "connect", "weld", "pair"].contains(&node.tag_name().name());
+    let own = node.attribute("class").filter(|_| of_one);
+    let mut names = own.into_iter().chain(node.attribute("childclass"));
+    let unknown = names.any(|name| name != "main" && !classes.contains_key(name));
+    unknown.then_some("a class that nothing defines")
 }
 
 /// Why a shape would be another one: the reader takes all of a size from the first level that says anything of it,

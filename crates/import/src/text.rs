@@ -114,6 +114,18 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
             name: robot.title,
         });
     }
+    for link in &robot.links {
+        let [stiffness, rest, damping] = match link.kind {
+            Kind::Hinge { stiffness, rest, damping, .. } => [stiffness, rest, damping],
+            _ => [0.0; 3],
+        };
+        if ![stiffness, rest, damping, link.bounds.friction].iter().all(|x| x.is_finite()) {
+            return Err(ImportError::NonFinite {
+                what: "the spring, the damper or the friction at the joint",
+                name: link.between[1].clone(),
+            });
+        }
+    }
     let solids = robot.parts.iter().map(Part::solid).collect::<Result<Vec<_>, _>>()?;
     let bodies: String = robot
         .parts

@@ -179,6 +179,22 @@ fn what_cannot_be_asked_is_refused_by_its_name() {
     }
 }
 
+/// A tolerance that is a part of such a number is zero, or infinite.
+#[test]
+fn tiny_numbers_at_the_start_and_a_tiny_horizon_are_no_reason_to_refuse_a_question() {
+    let system = wells(1.0);
+    let tiny = 5e-324;
+    let place = |state: &State<Vec<f64>>| vec![state.q[0]];
+    let pushed = State::new(vec![0.5], Covector(vec![tiny]));
+    for (start, horizon) in [(pushed, 5.0), (at_rest(&[tiny]), 5.0), (at_rest(&[0.5]), 1e-310)] {
+        Motion::new(&system, start, horizon, place).unwrap();
+    }
+    let pushed = State::new(vec![0.5], Covector(vec![tiny]));
+    let motion = Motion::new(&system, pushed, 5.0, place).unwrap();
+    let answer = answer(&mut MeasuredRuns::new(&motion, LONG).unwrap(), 1e-3).unwrap();
+    assert!(answer.choice().is_some(), "{answer}");
+}
+
 #[test]
 fn an_observable_that_stops_being_a_number_is_a_failure_and_not_a_choice() {
     let system = wells(1.0);

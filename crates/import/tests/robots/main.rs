@@ -1,4 +1,5 @@
 //! Descriptions as scenes that run: against closed forms, one format against the other, and what is refused.
 
+mod read_otherwise;
 mod refused;
 mod run;

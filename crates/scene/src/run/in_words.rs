@@ -252,6 +252,12 @@ impl Scene {
                 let body = self.body_of(index, of).or_else(|| Some(self.particle_of(index)?.0));
                 body.map(|name| format!("{what} of `{name}` is {value}; it must be finite"))
             }
+            &ContactError::Turn { body, angle } => {
+                let name = &self.bodies.get(body)?.name;
+                Some(format!(
+                    "`{name}` turns by up to {angle:.1e} rad in a step; take a smaller step"
+                ))
+            }
             ContactError::Step(error) => self.failure_named(&StepFailure::Step(error.clone()), &[]),
             _ => None,
         }
@@ -427,5 +433,12 @@ mod tests {
         let contact = ContactError::NonFinite { what: "the momentum", index: 6, value };
         let told = "the momentum of `b` is inf; it must be finite";
         assert_eq!(words(StepFailure::Contact(contact)), told);
+    }
+
+    #[test]
+    fn a_body_that_turns_too_far_is_told_by_its_name() {
+        let failure = StepFailure::Contact(ContactError::Turn { body: 1, angle: 42.0 });
+        let told = "`b` turns by up to 4.2e1 rad in a step; take a smaller step";
+        assert_eq!(joined(3, &[]).failure_named(&failure, &[]).unwrap(), told);
     }
 }
