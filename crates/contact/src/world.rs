@@ -310,7 +310,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// step starts: they are part of the velocity increment.
     ///
     /// # Errors
-    /// Those of [`World::step_with`]; [`ContactError::NonFinite`] where a force leads to what is not finite.
+    /// Those of [`World::step_with`]; [`ContactError::Size`] for forces of another number of freedoms;
+    /// [`ContactError::NonFinite`] where a force leads to what is not finite.
     pub fn step_under(
         &mut self,
         state: &mut State<Vec<f64>>,
@@ -325,9 +326,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         SizeError::check("the momentum's components", n, state.p.components().len())?;
         SizeError::check("the poses' numbers", G::STORED * self.detector.bodies(), state.q.len())?;
         check_finite("the momentum", state.p.components())?;
-        self.find_joints(state, h, joints)?;
         // The increment of the same state is another only by forces.
-        let forced = forces.dim() > 0;
+        let forced = check_forces(n, forces)?;
+        self.find_joints(state, h, joints)?;
         if !forced && let Some(report) = self.stand(state, h, forced)? {
             return Ok(report);
         }
@@ -472,4 +473,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
         check_time(next.t)?;
         Ok((lifted, closed))
     }
+}
+
+/// Whether there are forces; an error where they have another number of freedoms than the bodies.
+pub(crate) fn check_forces(freedoms: usize, forces: &impl Force) -> Result<bool, SizeError> {
+    let there = forces.dim() > 0;
+    if there {
+        SizeError::check("the forces' freedoms", freedoms, forces.dim())?;
+    }
+    Ok(there)
 }

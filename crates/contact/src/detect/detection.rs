@@ -31,6 +31,8 @@ pub struct DetectorIn<G: Dimension> {
     rolling: BTreeMap<[usize; 2], [f64; 2]>,
     bodies: usize,
     radii: Vec<f64>,
+    /// Which bodies carry a half-space.
+    endless: Vec<bool>,
     broad: BroadPhase<G>,
     seams: Seams,
     pub(super) placed: Vec<G::Motion>,
@@ -94,8 +96,10 @@ impl<G: Dimension> DetectorIn<G> {
             }
         }
         let identity = G::Motion::identity();
+        let (radii, endless) = radii(&colliders, bodies);
         Ok(DetectorIn {
-            radii: radii(&colliders, bodies),
+            radii,
+            endless,
             surfaces: BTreeMap::new(),
             passing: BTreeSet::new(),
             rolling: BTreeMap::new(),
@@ -190,7 +194,7 @@ impl<G: Dimension> DetectorIn<G> {
         self.bodies
     }
 
-    /// The radius of a ball about a body's centre that holds all its shapes, m.
+    /// The radius of a ball about a body's centre that holds all its shapes but half-spaces, m.
     ///
     /// # Errors
     /// [`ContactError::Size`] for a body that is not there.
@@ -205,6 +209,19 @@ impl<G: Dimension> DetectorIn<G> {
     #[inline]
     pub(crate) fn radius_of(&self, body: usize) -> f64 {
         self.radii[body]
+    }
+
+    /// How far from a body's centre its shapes reach, m: by so much times a turn they move.
+    #[inline]
+    pub(crate) fn reach_of(&self, body: usize) -> f64 {
+        if self.endless[body] { f64::MAX } else { self.radii[body] }
+    }
+
+    /// The smaller radius of those bodies that have one, m; infinite where none has.
+    #[inline]
+    pub(crate) fn smaller_radius(&self, bodies: [Option<usize>; 2]) -> f64 {
+        let radii = bodies.into_iter().flatten().map(|body| self.radii[body]);
+        radii.filter(|&radius| radius > 0.0).fold(f64::INFINITY, f64::min)
     }
 
     /// Other pairs near each other by which the surface of one collider of a pair faces the other.
@@ -383,8 +400,8 @@ impl<G: Dimension> DetectorIn<G> {
     /// Drops what is not felt because it is at an edge between parts of one surface.
     fn drop_at_seams(&mut self, pair: [usize; 2], placed: &[G::Motion; 2]) {
         let Self { seams, colliders, passing, facing, covered, radii, .. } = self;
-        let bodies = pair.iter().filter_map(|&i| colliders[i].body());
-        let size = bodies.map(|body| radii[body]).fold(f64::INFINITY, f64::min);
+        let radii = pair.iter().filter_map(|&i| colliders[i].body()).map(|body| radii[body]);
+        let size = radii.filter(|&radius| radius > 0.0).fold(f64::INFINITY, f64::min);
         for side in [0, 1].into_iter().filter(|&side| seams.at(pair[side])) {
             let own = &colliders[pair[side]];
             let felt = |other: usize| touch(colliders, passing, [other, pair[1 - side]]);
@@ -453,14 +470,18 @@ fn touch<G: Dimension>(
 }
 
 /// For each body the radius of a ball about its centre that holds all its shapes.
-fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> Vec<f64> {
-    let mut radii = vec![0.0_f64; bodies];
+/// Of each body, that of a ball about its centre that holds its shapes, and whether it carries one without end, of
+/// which the ball knows nothing.
+fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> (Vec<f64>, Vec<bool>) {
+    let (mut radii, mut endless) = (vec![0.0_f64; bodies], vec![false; bodies]);
     for collider in colliders {
-        if let Some(body) = collider.body() {
-            radii[body] = radii[body].max(G::reach(&collider.shape, &collider.place));
+        let Some(body) = collider.body() else { continue };
+        match G::plane(&collider.shape) {
+            Some(_) => endless[body] = true,
+            None => radii[body] = radii[body].max(G::reach(&collider.shape, &collider.place)),
         }
     }
-    radii
+    (radii, endless)
 }
 
 /// Points closer to each other than this part of the bodies' radii are one: a corner that meets a

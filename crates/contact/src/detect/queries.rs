@@ -80,8 +80,8 @@ impl<G: Dimension> DetectorIn<G> {
     /// The closest points of two colliders; where they overlap the deepest ones, with a gap below zero.
     ///
     /// # Errors
-    /// [`ContactError::Size`] for a collider that is not there; [`ContactError::NoQuery`] for two half-spaces,
-    /// two meshes, or a mesh and a half-space; those of [`DetectorIn::broad_phase`] for `q`.
+    /// [`ContactError::Size`] for a collider that is not there; [`ContactError::NoQuery`] for two half-spaces and
+    /// for two meshes; those of [`DetectorIn::broad_phase`] for `q`.
     pub fn closest_points(
         &mut self,
         q: &[f64],

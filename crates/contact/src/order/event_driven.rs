@@ -33,6 +33,7 @@ use crate::order::flight::{Flies, Flight, FlightOrder};
 use crate::order::flight_forces::FlightForces;
 use crate::order::free_time::FreeTimeSearch;
 use crate::order::pieces::{Motion, Pieces, between};
+use crate::world::check_forces;
 use crate::{BodiesIn, ContactError, DetectorIn, ImpactLaw, InverseMass, Touch, World};
 
 /// Gaps up to this part of the largest coordinate or radius count as touching.
@@ -283,6 +284,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
         SizeError::check("the poses' numbers", G::STORED * bodies, state.q.len())?;
         check_finite("the momentum", &state.p.0)?;
         check_time(state.t + h)?;
+        check_forces(n, forces)?;
         let mut stepped = false;
         let touched = self.touches;
         self.now.clone_from(state);

@@ -114,7 +114,7 @@ impl<G: Flies> FreeTimeSearch<G> {
         skin: f64,
     ) -> Result<(), ContactError> {
         self.radii.clear();
-        self.radii.extend((0..detector.bodies()).map(|body| detector.radius_of(body)));
+        self.radii.extend((0..detector.bodies()).map(|body| detector.reach_of(body)));
         let radii = &self.radii;
         let reach = |body: Option<usize>| {
             body.map_or(skin, |body| {
@@ -154,7 +154,7 @@ impl<G: Flies> FreeTimeSearch<G> {
             let paths = [path(colliders[0].body())?, path(colliders[1].body())?];
             let bodies = [0, 1]
                 .map(|k| Swept::<G>::new(&colliders[k].shape, &colliders[k].place, &paths[k]));
-            let off = |body: usize| flight.off_chord(body, detector.radius_of(body), d);
+            let off = |body: usize| flight.off_chord(body, detector.reach_of(body), d);
             let off: f64 = colliders.iter().filter_map(|c| c.body()).map(off).sum();
             let close = Closeness { thickness: off + 0.25 * skin, tolerance: off.max(0.5 * skin) };
             let touching = |parts: &[u32; 2], queries: &mut Queries<G>| {

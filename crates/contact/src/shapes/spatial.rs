@@ -267,8 +267,13 @@ impl Dimension for Spatial {
             normal: None,
             distance: (points[1] - points[0]).norm(),
         };
-        if shapes.iter().any(|shape| shape.curved().is_some()) {
-            return closest_of_round(shapes, parts, poses).map(apart);
+        // The library's search along simplices takes small hulls and triangles that are apart for ones that meet.
+        let searched = |shape: &Shape| {
+            shape.curved().is_some() || shape.geometry().as_convex_polyhedron().is_some()
+        };
+        let meshes = shapes.iter().all(|shape| shape.geometry().as_trimesh().is_some());
+        if meshes || shapes.iter().any(|shape| searched(shape)) {
+            return closest_of_solids(shapes, parts, poses).map(apart);
         }
         let found = with_part(shapes[0], parts[0], |a| {
             with_part(shapes[1], parts[1], |b| closest_points(poses[0], a, poses[1], b, f64::MAX))
@@ -370,8 +375,8 @@ impl Dimension for Spatial {
     }
 }
 
-/// The closest points of two convex parts of which one is round, world axes; none where they overlap.
-fn closest_of_round(
+/// The closest points of two convex parts, at most one of them a plane, world axes; none where they overlap.
+fn closest_of_solids(
     shapes: [&Shape; 2],
     parts: [u32; 2],
     poses: [&Pose; 2],

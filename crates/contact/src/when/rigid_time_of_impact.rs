@@ -347,9 +347,13 @@ fn closest<G: Dimension>(
     let shapes = [bodies[0].shape, bodies[1].shape];
     let Queries { shapes: room, found } = queries;
     let closest = G::closest(shapes, parts, [&seen[0], &seen[1]], room, found)?;
+    let [x1, x2] = closest.points;
+    let apart = x2 - x1;
+    let length = G::dot(&apart, &apart).sqrt();
+    let by_points = (length > 0.0).then(|| apart * length.recip());
     Some(Closest {
         points: closest.points.map(|point| G::apply(&poses[0], &point)),
-        normal: closest.normal.map(|normal| G::turn(&poses[0], &normal)),
+        normal: closest.normal.or(by_points).map(|normal| G::turn(&poses[0], &normal)),
         distance: closest.distance,
     })
 }

@@ -8,8 +8,8 @@
 //! linear in each of its arguments, so that its values over a box of them lie in the hull of its
 //! values at the eight corners. If all eight lie beyond `thickness` on one side along some
 //! direction, by more than rounding can account for, then nothing in the box comes that close: the
-//! box is ruled out, in exact arithmetic. The directions tried are the three axes, the normal, and
-//! the way straight from an edge to the other thing. What is not ruled out is halved along the
+//! box is ruled out, in exact arithmetic. The directions tried are the three axes, the normal, the
+//! way straight from an edge to the other thing, and the mean of `F`. What is not ruled out is halved along the
 //! argument that changes `F` most, earliest first, until the values spread by less than the
 //! tolerance; that is a hit. A close place that is known lets all but an instant of the other boxes
 //! be tried at once.
@@ -252,7 +252,9 @@ impl Query {
             }
         }
         let beyond = self.close.thickness * (1.0 + 8.0 * f64::EPSILON) + self.projected;
-        for direction in self.directions(0.5 * (of[0][0] + of[0][1])) {
+        // Two corners may be farther apart than the thickness along none of the others.
+        let mean = values.iter().sum::<Vector3<f64>>() * 0.125;
+        for direction in self.directions(0.5 * (of[0][0] + of[0][1])).into_iter().chain([mean]) {
             let length = direction.norm();
             if !(length > 0.0 && length.is_finite()) {
                 continue;

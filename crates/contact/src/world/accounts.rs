@@ -57,7 +57,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     pub(super) fn painleve(&self, contacts: &[ContactIn<G>]) -> Option<Painleve> {
         let Memory { states, impulses, hits, start, .. } = &self.memory;
         let along = |i: usize| G::dot(&(impulses[i] + hits[i]), &contacts[i].normal);
-        let radius = |body: usize| self.detector.radius_of(body);
+        let radius = |body: usize| self.detector.reach_of(body);
         painleve(contacts, |i| along(i) > 0.0, states, radius, &start.0)
     }
 

@@ -33,7 +33,7 @@ pub(crate) struct StepMotion<'a, G: Dimension> {
 struct Mover<'a, G: Dimension> {
     collider: &'a ColliderIn<G>,
     path: RigidPathIn<G>,
-    radius: f64,
+    reach: f64,
 }
 
 impl<'a, G: Dimension> StepMotion<'a, G> {
@@ -41,7 +41,7 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
     pub(crate) fn closing(&self, pair: [usize; 2]) -> f64 {
         let movers = pair.map(|collider| self.mover(collider));
         let apart = *movers[1].path.way() - *movers[0].path.way();
-        let turns = movers.iter().map(|mover| mover.radius * G::spin_speed(mover.path.turn()));
+        let turns = movers.iter().map(|mover| mover.reach * G::spin_speed(mover.path.turn()));
         G::dot(&apart, &apart).sqrt() + turns.sum::<f64>()
     }
 
@@ -59,20 +59,20 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
     fn mover(&self, collider: usize) -> Mover<'a, G> {
         let collider = &self.detector.colliders()[collider];
         let mut velocity = G::Velocity::default();
-        let (mut pose, mut radius) = (G::Motion::identity(), 0.0);
+        let (mut pose, mut reach) = (G::Motion::identity(), 0.0);
         if let Some(body) = collider.body() {
-            (pose, radius) = (G::pose(self.q, body), self.detector.radius_of(body));
+            (pose, reach) = (G::pose(self.q, body), self.detector.reach_of(body));
             for (k, v) in velocity.as_mut().iter_mut().enumerate() {
                 *v = (self.velocity)(G::FREEDOMS * body + k);
             }
         }
-        Mover { collider, path: RigidPathIn::of(pose, &velocity, self.h), radius }
+        Mover { collider, path: RigidPathIn::of(pose, &velocity, self.h), reach }
     }
 
     fn may_meet(&self, pair: [usize; 2], room: &mut MeetRoom<G>) -> bool {
         let movers = pair.map(|collider| self.mover(collider));
-        let radius = movers.iter().map(|mover| mover.radius).filter(|&radius| radius > 0.0);
-        let tolerance = TOUCHING_DISTANCE * radius.fold(f64::INFINITY, f64::min);
+        let carriers = pair.map(|collider| self.detector.colliders()[collider].body());
+        let tolerance = TOUCHING_DISTANCE * self.detector.smaller_radius(carriers);
         let bodies = [0, 1].map(|k| {
             let Mover { collider, path, .. } = &movers[k];
             Swept::new(&collider.shape, &collider.place, path)
@@ -96,9 +96,8 @@ impl<'a, G: Dimension> StepMotion<'a, G> {
             let along = G::rotate_back(&G::frame(&seen), &outwards);
             let reach = G::farthest(&collider.shape, 0, &along);
             let height = G::dot(&outwards, &(contact.points[side] - G::translation(&seen)));
-            let radii =
-                contact.bodies.into_iter().flatten().map(|body| self.detector.radius_of(body));
-            (reach - height).abs() < TOUCHING_DISTANCE * radii.fold(f64::INFINITY, f64::min)
+            let radius = self.detector.smaller_radius(contact.bodies);
+            (reach - height).abs() < TOUCHING_DISTANCE * radius
         })
     }
 }

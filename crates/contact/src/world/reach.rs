@@ -26,9 +26,9 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let bodies = start.0.chunks_exact(f).zip(increment.0.chunks_exact(f)).enumerate();
         reach.clear();
         reach.extend(bodies.map(|(body, (v, increment))| {
-            let radius = self.detector.radius_of(body);
-            let speeds = speed::<G>(v, radius) + speed::<G>(increment, radius);
-            h * speeds + margin * radius
+            let far = self.detector.reach_of(body);
+            let speeds = speed::<G>(v, far) + speed::<G>(increment, far);
+            h * speeds + margin * self.detector.radius_of(body)
         }));
     }
 
@@ -38,9 +38,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let missed = if joints.rows() > 0 { 0.0 } else { MISSED };
         let mut widened = false;
         for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach).enumerate() {
-            let radius = self.detector.radius_of(body);
-            let way = h * speed::<G>(v, radius);
-            if way > *reach + missed * radius {
+            let way = h * speed::<G>(v, self.detector.reach_of(body));
+            if way > *reach + missed * self.detector.radius_of(body) {
                 *reach = 1.5 * way;
                 widened = true;
             }
@@ -57,8 +56,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         for of_pair in contacts.chunk_by(ContactIn::same_pair) {
             let pair = of_pair[0].id.pair();
             let bodies = || of_pair[0].bodies.into_iter().flatten();
-            let far = bodies().map(|body| NONLINEAR_MOTION * self.detector.radius_of(body));
-            let far = far.fold(f64::INFINITY, f64::min);
+            let far = NONLINEAR_MOTION * self.detector.smaller_radius(of_pair[0].bodies);
             let clear = bodies().map(|body| reach[body]).sum::<f64>() > far
                 && motion.closing(pair) > far
                 && !meeting.contains(&pair)

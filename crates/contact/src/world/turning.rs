@@ -32,8 +32,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         for of_pair in kept.found().chunk_by(ContactIn::same_pair) {
             let ContactIn { bodies, id, .. } = of_pair[0];
             let moving = || bodies.into_iter().flatten();
-            let radius = |body: usize| detector.radius_of(body);
-            let smaller = moving().map(radius).fold(f64::INFINITY, f64::min);
+            // What has no end errs by how far from its centre it touches.
+            let arm = |side: usize| {
+                let arms = of_pair.iter().map(|contact| contact.arms[side]);
+                arms.map(|arm| G::dot(&arm, &arm).sqrt()).fold(0.0, f64::max)
+            };
+            let radius = |body: usize| match detector.reach_of(body) {
+                f64::MAX => arm(usize::from(bodies[1] == Some(body))),
+                radius => radius,
+            };
+            let smaller = detector.smaller_radius(bodies);
             let both: f64 = moving().map(radius).sum();
             let spin = |body: usize| h * G::spin_speed(&after[body].1);
             let spins: f64 = moving().map(spin).sum();

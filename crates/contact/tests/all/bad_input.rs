@@ -1,13 +1,15 @@
 //! Bad input, item by item: each is refused by a typed error that names it, and changes nothing.
 
 use nalgebra::{Vector2, Vector3};
-use stationary_calculus::{Covector, DiagonalMetric, System, Vector};
+use stationary_calculus::{Covector, DiagonalMetric, Force, System, Vector};
 use stationary_contact::{
     Collider, ContactError, Detector, MeshFilter, Planar, PlanarCollider, PlanarDetector,
     PlanarShape, PlanarWorld, Shape, SpatialWorld, World, problems::falling_boxes, push_apart,
 };
 use stationary_integrators::State;
 use stationary_rigid::{LieGroup, PlanarMotion, PlanarWeight, Poses, RigidMotion, Weight};
+
+type V = Vector3<f64>;
 
 const BAD: [f64; 4] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e-9];
 /// Two squares of 1 m, one upon the other.
@@ -173,4 +175,44 @@ fn a_filter_that_starts_at_distance_0_or_gets_a_step_that_is_none_is_refused() {
         assert!(matches!(refused, ContactError::Step(_)), "{refused}");
     }
     assert_eq!(v, before);
+}
+
+/// A force on more or fewer freedoms than there are.
+struct Pull(usize);
+
+impl Force for Pull {
+    fn dim(&self) -> usize {
+        self.0
+    }
+
+    fn add_force(&self, _: f64, _: &[f64], _: Vector<&[f64]>, f: Covector<&mut [f64]>) {
+        f.0[..self.0].iter_mut().for_each(|f| *f += 1.0);
+    }
+}
+
+#[test]
+fn forces_of_another_number_of_freedoms_are_refused_and_the_state_stays() {
+    let mut world = planar();
+    let mut state = State::new(POSES.to_vec(), Covector(vec![0.0; 6]));
+    let start = state.clone();
+    for freedoms in [3, 7] {
+        let refused = world.step_under(&mut state, 1e-3, &(), &Pull(freedoms)).unwrap_err();
+        assert!(matches!(refused, ContactError::Size(_)), "{refused}");
+        assert_eq!(state, start);
+    }
+    world.step_under(&mut state, 1e-3, &(), &Pull(6)).unwrap();
+}
+
+#[test]
+fn two_meshes_that_come_near_are_refused() {
+    let corners = [V::zeros(), V::x(), V::y()];
+    let mesh = || Shape::mesh(&corners, &[[0, 1, 2]]).unwrap();
+    let fixed = Collider::fixed(RigidMotion::identity(), mesh());
+    let mut detector = Detector::new(vec![Collider::on_body(0, mesh()), fixed], 1).unwrap();
+    let at = |height: f64| [0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0];
+    let refused = detector.closest_points(&at(0.1), [0, 1]).unwrap_err();
+    assert!(matches!(refused, ContactError::NoQuery { .. }), "{refused}");
+    let refused = detector.detect(&at(0.1), 0.2).unwrap_err();
+    assert!(matches!(refused, ContactError::NoQuery { .. }), "{refused}");
+    assert!(detector.detect(&at(10.0), 0.2).unwrap().is_empty());
 }

@@ -57,6 +57,10 @@ fn the_differential_of_the_gap_is_its_rate_for_every_pair_of_shapes() {
     for first in shapes() {
         for second in shapes().into_iter().chain([Shape::half_space(Vector3::z()).unwrap()]) {
             let names = (first.name(), second.name());
+            // Two meshes have none.
+            if names == ("mesh", "mesh") {
+                continue;
+            }
             let convex = ![names.0, names.1].contains(&"mesh");
             let (colliders, bodies) = match second.plane_like() {
                 true => (

@@ -363,3 +363,27 @@ fn a_spin_does_not_hide_how_fast_a_small_disc_comes() {
     }
     assert!((state.p.0[1] - speed).abs() < 1e-9 * speed, "in steps: {:?}", state.p.0);
 }
+
+/// A bar that turns and moves as it is told hits a disc at rest: what the disc gains is the bar's work, and an
+/// elastic impact takes nothing.
+#[test]
+fn an_obstacle_that_turns_gives_what_its_work_says() {
+    let bar = PlanarShape::cuboid([1.0, 0.1]).unwrap();
+    let disc = PlanarShape::disc(0.2).unwrap();
+    let shapes = [bar, disc].into_iter().enumerate();
+    let colliders = shapes.map(|(body, shape)| PlanarCollider::on_body(body, shape));
+    let elastic = colliders.map(|collider| collider.with_restitution(1.0)).collect();
+    let metric = DiagonalMetric::new(vec![3.0, 3.0, 2.0, 1.0, 1.0, 0.02]).unwrap();
+    let system = System::new(metric, Free { freedoms: 6 }).unwrap();
+    let detector = PlanarDetector::new(elastic, 2).unwrap();
+    let bodies: EventDriven<Planar, _> =
+        EventDriven::new(system, detector, FlightOrder::Fourth, 1e-3).unwrap();
+    let mut bodies = bodies.with_obstacles(vec![0]).unwrap();
+    let p = vec![0.3, 0.0, 4.0, 0.0, 0.0, 0.0];
+    let mut state = State::new(vec![0.0, 0.0, 0.0, 0.8, 0.5, 0.0], Covector(p));
+    let report = bodies.step(&mut state, 0.3).unwrap();
+    let gained = 0.5 * (state.p.0[3] * state.p.0[3] + state.p.0[4] * state.p.0[4]);
+    assert!(report.impacts == 1 && gained > 1.0, "{report:?}");
+    assert!((report.work - gained).abs() < 1e-12 * gained, "{gained} {report:?}");
+    assert!(report.impact_energy.abs() < 1e-12 * gained, "{report:?}");
+}

@@ -252,6 +252,67 @@ fn a_ball_over_a_mesh_meets_the_triangle_that_rises_in_its_way() {
     assert_eq!(time(at(2.26, 0.251), at(5.0, 0.0)), None);
 }
 
+/// Two bodies that stay apart, of any size, by a distance that is known.
+#[test]
+fn small_hulls_and_meshes_that_stay_apart_never_meet() {
+    let mut random = SplitMix64::new(12);
+    for case in 0..2_000 {
+        let size = 10.0_f64.powf(9.0 * random.symmetric());
+        let mut corners = || -> Vec<_> { (0..8).map(|_| vector(&mut random) * size).collect() };
+        let [first, second] = [corners(), corners()];
+        let faces = [[0, 1, 2], [1, 2, 3], [2, 3, 4]];
+        let mesh = |corners: &[Vector3<f64>]| Shape::mesh(&corners[..5], &faces).unwrap();
+        let (a, b) = match case % 3 {
+            0 => (mesh(&first), mesh(&second)),
+            1 => (Shape::ball(0.5 * size).unwrap(), Shape::convex(&second).unwrap()),
+            _ => (Shape::convex(&first).unwrap(), Shape::ball(0.5 * size).unwrap()),
+        };
+        let [one, other] = [0, 1].map(|_| Rotation::exp(vector(&mut random) * 3.0));
+        let direction = vector(&mut random).normalize();
+        // Farther apart along the direction than both reach along it.
+        let reach =
+            |shape: &Shape, corners: &[Vector3<f64>], turn: &Rotation, way: Vector3<f64>| {
+                let far = corners.iter().map(|x| turn.rotate(x).dot(&way)).fold(f64::MIN, f64::max);
+                if shape.name() == "ball" { 0.5 * size } else { far }
+            };
+        let apart = reach(&a, &first, &one, direction) + reach(&b, &second, &other, -direction);
+        let start = RigidMotion { translation: Vector3::zeros(), rotation: one };
+        let way = direction * (apart + 1e-3 * size);
+        let there = RigidMotion { translation: way, rotation: other };
+        let [start, there] = [start, there].map(|pose| RigidPath::still(pose).unwrap());
+        let close = Closeness { thickness: 0.0, tolerance: 1e-6 * size };
+        let hit = rigid_bodies_meet((&a, &start), (&b, &there), close).unwrap();
+        assert_eq!(hit, None, "{case}: {} and {} of {size:e}", a.name(), b.name());
+    }
+}
+
+#[test]
+fn the_normal_of_a_hit_far_from_the_origin_has_length_1_and_leads_from_centre_to_centre() {
+    let mut random = SplitMix64::new(5);
+    let ball = Shape::ball(0.5).unwrap();
+    let close = Closeness { thickness: 0.0, tolerance: TOLERANCE };
+    for far in [0.0, 1e2, 1e4] {
+        for _ in 0..100 {
+            let translation = vector(&mut random) * far;
+            let direction = vector(&mut random).normalize();
+            let at = |along: f64| {
+                let rotation = Rotation::exp(direction);
+                RigidMotion { translation: translation + direction * along, rotation }
+            };
+            let paths = [
+                RigidPath::still(at(0.0)).unwrap(),
+                RigidPath::straight(at(3.0), direction * -3.0, Vector3::zeros()).unwrap(),
+            ];
+            let hit = rigid_bodies_meet((&ball, &paths[0]), (&ball, &paths[1]), close).unwrap();
+            let normal = hit.expect("the balls meet").normal;
+            assert!((normal.norm() - 1.0).abs() < 1e-14, "{far}: {}", normal.norm());
+            // The second ball's place is rounded far from the origin.
+            let off = (normal - direction).norm();
+            assert!(off < 1e-9 + 1e-15 * far / TOLERANCE, "{far}: {off:e}");
+        }
+    }
+}
+
 #[test]
 fn paths_that_are_none_and_shapes_without_a_hull_are_refused_by_name() {
     let nowhere = Vector3::repeat(f64::NAN);

@@ -160,3 +160,38 @@ fn no_meeting_of_two_edges_is_missed() {
         assert!(score.meetings * 100 > score.queries, "{}: {score:?}", family.0);
     }
 }
+
+/// A corner passes a corner, and an edge's end that of another, a little farther than the thickness and a little
+/// closer, in any direction.
+#[test]
+fn what_passes_a_corner_beyond_the_thickness_is_no_hit() {
+    let mut random = SplitMix64::new(9);
+    let mut vector = || Vector3::from_fn(|_, _| random.symmetric());
+    for query in 0..1_000 {
+        let out = vector().normalize();
+        let along = out.cross(&vector()).normalize();
+        let size = 10.0_f64.powf(6.0 * vector().x);
+        let close = Closeness { thickness: 0.3 * size, tolerance: 1e-6 * size };
+        // All else lies behind the corner at the origin.
+        let mut behind = || {
+            let way = vector();
+            way - out * (way.dot(&out) + way.norm())
+        };
+        let corners = [Vector3::zeros(), behind(), behind()].map(|x| x * size);
+        let still = corners.map(|start| Moving { start, end: start });
+        for (part, meets) in [(1.0 + 1e-4, false), (1.0 - 1e-4, true)] {
+            let [start, end] = [-2.0, 2.0].map(|t| (out * (0.3 * part) + along * t) * size);
+            let passing = Moving { start, end };
+            let ahead = (out + along * 0.1) * size;
+            let other = Moving { start: start + ahead, end: end + ahead };
+            let hits = [
+                particle_meets_triangle(&passing, &still, close).unwrap(),
+                edge_meets_edge(&[passing, other], &[still[0], still[1]], close).unwrap(),
+            ];
+            for hit in hits {
+                assert_eq!(hit.is_some(), meets, "{query} {part}: {hit:?}");
+                assert!(hit.is_none_or(|hit| hit.settled), "{query} {part}: {hit:?}");
+            }
+        }
+    }
+}

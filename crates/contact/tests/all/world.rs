@@ -281,6 +281,67 @@ fn an_obstacle_of_the_plane_pushes_and_reports_its_work() {
     assert!((state.p.0[3] - 0.5).abs() < 1e-12 && (work - 0.25).abs() < 1e-12, "{work}");
 }
 
+/// A block on a conveyor belt that rises or sinks, of a half-plane or of a long box: it is taken along by friction, and
+/// lies flat.
+#[test]
+fn a_block_on_a_half_plane_that_moves_is_taken_along_as_on_a_long_box() {
+    let (mu, mass, speed, steps, h) = (0.4, 2.0, 2.0, 300, 1e-3);
+    let long = PlanarShape::cuboid([5.0, 1.0]).unwrap();
+    for (floor, top) in [(PlanarShape::half_plane(Vector2::y()).unwrap(), 0.0), (long, 1.0)] {
+        for rise in [0.0, 0.5, -0.5] {
+            let block = PlanarShape::cuboid([0.5, 0.05]).unwrap();
+            let shapes = [floor.clone(), block].into_iter().enumerate();
+            let colliders = shapes.map(|(body, shape)| PlanarCollider::on_body(body, shape));
+            let colliders = colliders.map(|c| c.with_friction(mu)).collect();
+            let world = planar(&[(7.0, 1.0), (mass, 0.3)], Vector2::y() * -G, colliders);
+            let mut world = world.with_obstacles(vec![0]).unwrap();
+            let q = vec![0.0, -top, 0.0, 0.0, 0.05, 0.0];
+            let p = vec![7.0 * speed, 7.0 * rise, 0.0, 0.0, mass * rise, 0.0];
+            let (mut state, mut work) = (State::new(q, Covector(p)), 0.0);
+            for _ in 0..steps {
+                let report = world.step(&mut state, h).unwrap();
+                assert!(report.settled && report.overlap < 1e-12, "{report:?}");
+                work += report.work;
+            }
+            let time = f64::from(steps) * h;
+            assert!((state.p.0[3] / mass - mu * G * time).abs() < 1e-12, "{:?}", state.p);
+            assert!((state.q[4] - rise * time - 0.05).abs() < 1e-12 && state.q[5].abs() < 1e-12);
+            let expected = mass * G * time * (mu * speed + rise);
+            assert!((work - expected).abs() < 1e-10, "{work} {expected}");
+        }
+    }
+}
+
+/// A tray that tilts about the world's origin, of a half-plane or of a long box.
+#[test]
+fn a_block_on_a_half_plane_that_turns_moves_as_on_a_long_box() {
+    let long = PlanarShape::cuboid([5.0, 1.0]).unwrap();
+    let run = |floor: PlanarShape, top: f64| {
+        let place = PlanarMotion {
+            translation: Vector2::new(0.0, -top),
+            rotation: PlanarRotation::identity(),
+        };
+        let tray = PlanarCollider { place, ..PlanarCollider::on_body(0, floor) };
+        let block = PlanarCollider::on_body(1, PlanarShape::cuboid([0.2, 0.1]).unwrap());
+        let colliders = [tray, block].map(|c| c.with_friction(0.3)).to_vec();
+        let world = planar(&[(1.0, 1.0), (2.0, 0.3)], Vector2::y() * -G, colliders);
+        let mut world = world.with_obstacles(vec![0]).unwrap();
+        let q = vec![0.0, 0.0, 0.0, 1.5, 0.1, 0.0];
+        let p = vec![0.0, 0.0, 0.5, 0.0, 0.5 * 1.5 * 2.0, 0.0];
+        let mut state = State::new(q, Covector(p));
+        for _ in 0..1_000 {
+            assert!(world.step(&mut state, 1e-3).unwrap().settled);
+        }
+        state
+    };
+    let plane = run(PlanarShape::half_plane(Vector2::y()).unwrap(), 0.0);
+    let tray = run(long, 1.0);
+    assert!(tray.q[3] < 1.3, "it slides down: {:?}", tray.q);
+    for (a, b) in plane.q.iter().zip(&tray.q) {
+        assert!((a - b).abs() < 1e-6, "{:?} {:?}", plane.q, tray.q);
+    }
+}
+
 #[test]
 fn bad_steps_leave_the_state_and_what_touched() {
     let (mut world, mut state) = stack(2);

@@ -95,7 +95,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             if self.world.is_obstacle(body) {
                 continue;
             }
-            let radius = self.world.detector().radius_of(body);
+            let radius = self.world.detector().reach_of(body);
             let far = |a: &G::Motion, b: &G::Motion| {
                 let [apart, angle] = G::apart(a, b);
                 apart + radius * angle

@@ -144,7 +144,7 @@ impl<G: Flies, P: Potential> EventDriven<G, P> {
             system.metric().flat(self.v.view(), self.now.p.view_mut());
             let mut energy = before - system.metric().kinetic_energy(self.now.p.view());
             for touch in self.touching.pushed(&given).filter(|_| !self.obstacles.is_empty()) {
-                let work = work_of_obstacles::<G>(&touch, &self.obstacles, &self.v.0);
+                let work = work_of_obstacles::<G>(&touch, &self.obstacles, &self.now.q, &self.v.0);
                 report.work += work;
                 energy += work;
             }
@@ -239,13 +239,21 @@ fn keep_flown(forces: &impl FlightForces, flown: &mut Vec<f64>) {
     forces.add_flown_works(flown);
 }
 
-/// The work that obstacles, which do not turn, do by an impulse at velocities.
-fn work_of_obstacles<G: Dimension>(touch: &Touch<G>, obstacles: &[usize], v: &[f64]) -> f64 {
+/// The work that obstacles do by an impulse, at the velocities of where it acts on them.
+fn work_of_obstacles<G: Dimension>(
+    touch: &Touch<G>,
+    obstacles: &[usize],
+    q: &[f64],
+    v: &[f64],
+) -> f64 {
     let whole = touch.contact.normal * (touch.impact + touch.normal) + touch.friction;
-    let of_side = |(body, sign): (Option<usize>, f64)| {
-        let body = body.filter(|body| obstacles.contains(body))?;
-        let own = &v[G::FREEDOMS * body..][..G::TRANSLATION];
-        Some(sign * own.iter().enumerate().map(|(k, v)| v * whole[k]).sum::<f64>())
+    let of_side = |(side, sign): (usize, f64)| {
+        let body = touch.contact.bodies[side].filter(|body| obstacles.contains(body))?;
+        let (pose, mut velocity) = (G::pose(q, body), G::Velocity::default());
+        velocity.as_mut().copy_from_slice(&v[G::FREEDOMS * body..][..G::FREEDOMS]);
+        let (straight, turn) = G::split(&G::frame(&pose), &velocity);
+        let arm = touch.contact.points[side] - G::translation(&pose);
+        Some(sign * G::dot(&whole, &(straight + G::swing(&turn, &arm))))
     };
-    touch.contact.bodies.into_iter().zip([1.0, -1.0]).filter_map(of_side).sum()
+    [(0, 1.0), (1, -1.0)].into_iter().filter_map(of_side).sum()
 }
