@@ -9,4 +9,5 @@ pub(crate) mod event_driven;
 pub(crate) mod pieces;
 pub(crate) mod ledger;
 pub(crate) mod pushing;
+pub(crate) mod swings;
 pub(crate) mod error_controlled;

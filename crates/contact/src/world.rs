@@ -229,6 +229,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
         (&self.memory.joints, &self.memory.joint_impulses)
     }
 
+    /// The arm (m) by which the impulse of a row of joints acts where it is a torque's, and 1 where it is a force's.
+    pub(crate) fn joint_arm(&self, row: usize) -> f64 {
+        end_of_arm::measure::<G>(&self.memory.joints, row, self.memory.jointed.arm)
+    }
+
+    /// The mass of all that impulses move, kg.
+    pub(crate) fn mass_that_moves(&self) -> f64 {
+        let roots = self.memory.scales.iter().map(|scale| scale.as_ref()[0]);
+        roots.filter(|root| *root > 0.0).map(|root| 1.0 / (root * root)).sum()
+    }
+
     /// Whether nothing slows a body down.
     pub(crate) fn is_obstacle(&self, body: usize) -> bool {
         self.obstacles.contains(&body)

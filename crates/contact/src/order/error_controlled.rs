@@ -12,6 +12,7 @@
 //! | a gap `g` hits, a limit of a joint does | `max(|x1 - x2|, (1 + c) g)` |
 //! | all else | `|x1 - x2|` |
 //! | any | `|x~ - (x0 + x2)/2|`, `x~` after half of the step: what is read in between is straight |
+//! | any under forces that change in time | what their means leave out, see `swings.rs` |
 //!
 //! `S` a step of the world, with its own solution of contact and friction; `x` points of bodies (m) and `x.`
 //! their velocities (m/s), `a` the accuracy that is asked for (m), `h` the step (s), `T` for how long an error of
@@ -48,6 +49,7 @@ use crate::order::ledger::{Ledger, OF_CONTACT};
 use crate::order::pieces::{Pieces, between};
 use crate::order::pushing::Seen;
 use crate::order::step_forces::StepForces;
+use crate::order::swings::Swings;
 use crate::{ContactError, JointRows, Touch, World};
 
 /// The most steps in one call, rejected ones counted too.
@@ -103,12 +105,14 @@ pub struct ErrorControlled<G: Flies, P> {
     ledger: Ledger<G>,
     /// The columns of the ledger before impulses of joints.
     acting: usize,
-    /// What pushes in the last step that was taken.
+    /// What pushes in the last step that was taken, and whether there was one.
     last: Seen<G>,
+    begun: bool,
     seen: [Seen<G>; 3],
     /// What the three steps of the one that is tried did, as the ledger has it, and what touched in the halves.
     works: [Vec<f64>; 3],
     touches: [Vec<Touch<G>>; 2],
+    swings: Swings,
     mean: Vector<Vec<f64>>,
     difference: Covector<Vec<f64>>,
     rates: Vector<Vec<f64>>,
@@ -134,6 +138,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             difference: Covector(vec![0.0; n]),
             rates: Vector(vec![0.0; n]),
             mean: Vector(vec![0.0; n]),
+            swings: Swings::new(n),
             world,
             accuracy,
             horizon: HORIZON,
@@ -143,6 +148,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             ledger: Ledger::default(),
             acting: OF_CONTACT,
             last: Seen::default(),
+            begun: false,
             seen: Default::default(),
             works: Default::default(),
             touches: Default::default(),
@@ -256,7 +262,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         if SHARE * self.accuracy < ROUNDINGS * largest {
             return Err(ContactError::Tolerance(self.accuracy));
         }
-        let (length, last) = (self.length, self.last.clone());
+        let (length, last, begun) = (self.length, self.last.clone(), self.begun);
         self.acting = OF_CONTACT + forces.works();
         self.pieces.clear();
         self.events.clear();
@@ -272,7 +278,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 self.pieces.clear();
                 self.events.clear();
                 self.ledger.clear();
-                (self.length, self.last) = (length, last);
+                (self.length, self.last, self.begun) = (length, last, begun);
                 Err(error)
             }
         }

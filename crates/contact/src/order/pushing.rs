@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! |t| >= (1 - 1e-6) mu n        slides            t n impulses along the surfaces and across them, mu the friction
+//! min(n, mu n - |t|)/h          by how much forces may grow before a pair parts, or slips where it sticks
 //! ```
 
 use stationary_calculus::Potential;
@@ -22,6 +23,9 @@ pub(super) struct Pushing<G: Dimension> {
     pub(super) slides: bool,
     pub(super) friction: G::Vector,
     pub(super) impulse: G::Vector,
+    /// The normal impulse, and by how much friction may grow, N s.
+    normal: f64,
+    grip: f64,
 }
 
 impl<G: Dimension> Pushing<G> {
@@ -44,6 +48,8 @@ pub(super) struct Seen<G: Dimension> {
     pub(super) gap: f64,
     /// By how much what hits is early at most, m: it turns back before its gap is closed.
     pub(super) early: f64,
+    /// By how much forces may grow before a pair or a limit of joints parts, or what sticks slips, N.
+    pub(super) margin: f64,
     /// Which limits of joints push, and which way dry friction of joints slides: zero where it sticks.
     limits: Vec<bool>,
     slides: Vec<i8>,
@@ -51,7 +57,8 @@ pub(super) struct Seen<G: Dimension> {
 
 impl<G: Dimension> Default for Seen<G> {
     fn default() -> Self {
-        Seen { pairs: Vec::new(), gap: 0.0, early: 0.0, limits: Vec::new(), slides: Vec::new() }
+        let (pairs, limits, slides) = (Vec::new(), Vec::new(), Vec::new());
+        Seen { pairs, gap: 0.0, early: 0.0, margin: f64::INFINITY, limits, slides }
     }
 }
 
@@ -59,7 +66,7 @@ impl<G: Dimension> Seen<G> {
     /// Looks at the last step of a world, of `h` seconds.
     pub(super) fn look<P: Potential>(&mut self, world: &World<G, P>, h: f64) {
         self.look_at_joints(world, h);
-        let Seen { pairs, gap, early, .. } = self;
+        let Seen { pairs, gap, early, margin, .. } = self;
         pairs.clear();
         *early = 0.0;
         for touch in world.touches().filter(|touch| touch.impact > 0.0) {
@@ -72,26 +79,35 @@ impl<G: Dimension> Seen<G> {
             let slides = bound == 0.0 || rubbed >= SLIDES * bound;
             let colliders = touch.contact.id.colliders;
             let impulse = touch.contact.normal * touch.normal + touch.friction;
+            let (normal, grip) = (touch.normal, (bound - rubbed).max(0.0));
             match pairs.last_mut().filter(|last| last.colliders == colliders) {
                 Some(last) => {
                     last.slides |= slides;
                     last.friction = last.friction + touch.friction;
                     last.impulse = last.impulse + impulse;
+                    last.normal += normal;
+                    last.grip += grip;
                 }
                 None => {
                     let (bodies, friction) = (touch.contact.bodies, touch.friction);
-                    pairs.push(Pushing { colliders, bodies, slides, friction, impulse });
+                    let pair =
+                        Pushing { colliders, bodies, slides, friction, impulse, normal, grip };
+                    pairs.push(pair);
                 }
             }
+        }
+        for pair in pairs {
+            let least = if pair.slides { pair.normal } else { pair.normal.min(pair.grip) };
+            *margin = margin.min(least / h);
         }
     }
 
     /// Looks at what of joints pushes one way only, or slides.
     fn look_at_joints<P: Potential>(&mut self, world: &World<G, P>, h: f64) {
-        let Seen { gap, limits, slides, .. } = self;
+        let Seen { gap, margin, limits, slides, .. } = self;
         limits.clear();
         slides.clear();
-        *gap = 0.0;
+        (*gap, *margin) = (0.0, f64::INFINITY);
         let (rows, impulses) = world.joint_rows();
         for (law, block) in rows.blocks() {
             let x = impulses.get(block.start).copied().unwrap_or(0.0);
@@ -99,6 +115,7 @@ impl<G: Dimension> Seen<G> {
                 RowLaw::Limit => {
                     limits.push(x > 0.0);
                     if x > 0.0 {
+                        *margin = margin.min(x / world.joint_arm(block.start) / h);
                         // A limit asks for the velocity that closes what is left of it.
                         *gap = gap.max(-h * rows.asked(block.start));
                     }
@@ -106,6 +123,9 @@ impl<G: Dimension> Seen<G> {
                 RowLaw::Bounded(bound) => {
                     let slips = x.abs() >= SLIDES * bound;
                     slides.push(if slips { x.signum() as i8 } else { 0 });
+                    if !slips {
+                        *margin = margin.min((bound - x.abs()) / world.joint_arm(block.start) / h);
+                    }
                 }
                 RowLaw::Equality | RowLaw::Cone(_) => {}
             }

@@ -14,6 +14,10 @@ pub trait StepForces: Force {
     /// velocity is `u`. There are as many as [`Force::works`] says.
     fn add_works(&self, ends: [&State<Vec<f64>>; 2], u: Vector<&[f64]>, works: &mut [f64]);
 
+    /// Adds to each component of `swings` (N, N m) no less than by how much the force there leaves its mean within the
+    /// step, at the place where it starts; of obstacles their mass times by how much their acceleration does.
+    fn add_swings(&self, start: &State<Vec<f64>>, swings: &mut [f64]);
+
     /// The first time after `t` at which a force, or what moves as it is told, is not smooth: a step ends there.
     fn next_corner(&self, t: f64) -> Option<f64>;
 
@@ -28,6 +32,8 @@ impl StepForces for () {
     fn prepare(&mut self, _: &mut State<Vec<f64>>, _: f64) {}
 
     fn add_works(&self, _: [&State<Vec<f64>>; 2], _: Vector<&[f64]>, _: &mut [f64]) {}
+
+    fn add_swings(&self, _: &State<Vec<f64>>, _: &mut [f64]) {}
 
     fn next_corner(&self, _: f64) -> Option<f64> {
         None

@@ -41,7 +41,7 @@ pub(crate) struct Closed {
 #[derive(Debug, Default)]
 pub(crate) struct JointedMemory {
     /// The arm at the end of which what turns is measured, m, and the rows of joints over a step as measured there.
-    arm: f64,
+    pub(super) arm: f64,
     pub(super) measured: VelocityRows,
     /// Rows that are solved together, their impulses, the motion that they lead to, and who solves them.
     rows: VelocityRows,

@@ -61,6 +61,7 @@ mod sizes;
 mod seams;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod steps;
+mod swinging_forces;
 mod sheet_on_a_box;
 mod thin_sheet;
 mod time_of_impact;

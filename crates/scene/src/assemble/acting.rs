@@ -383,6 +383,16 @@ impl What {
         }
     }
 
+    /// Whether it depends on pins that move.
+    #[cfg(feature = "contact")]
+    fn follows_pins(&self) -> bool {
+        #[cfg(feature = "elasticity")]
+        if let What::ByPins(_) = self {
+            return true;
+        }
+        false
+    }
+
     /// The energy that depends on pins that move.
     fn energy(&self, now: (f64, &[f64]), each: usize) -> f64 {
         #[cfg(feature = "elasticity")]

@@ -12,6 +12,7 @@ use crate::model::body_shape::BodyShape;
 use crate::model::drives::PinMotion;
 use crate::model::items::RigidBody;
 use crate::model::scene::Scene;
+use crate::model::strength::Strength;
 
 /// The obstacles of a scene, whose bodies have so many stored numbers and freedoms.
 #[derive(Clone, Debug, Default)]
@@ -107,13 +108,23 @@ impl Obstacles {
 
     /// Adds to bounds of forces what moves them between two times: their masses are one.
     pub(crate) fn add_bounds(&self, (from, to): (f64, f64), bounds: &mut [f64]) {
+        self.add_along(bounds, |strength| strength.fastest(from, to)[1]);
+    }
+
+    /// Adds by how much the forces that move them leave their means between two times.
+    pub(crate) fn add_swings(&self, (from, to): (f64, f64), swings: &mut [f64]) {
+        self.add_along(swings, |strength| strength.swing_of_curvature(from, to));
+    }
+
+    /// Adds a number of each motion along its shift.
+    fn add_along(&self, sums: &mut [f64], of: impl Fn(&Strength) -> f64) {
         let each = if self.in_space { 6 } else { 3 };
-        let Some(own) = bounds.get_mut(self.own[1]..) else { return };
-        for (bounds, (motion, _)) in own.chunks_exact_mut(each).zip(&self.pins) {
-            let [_, bend] = motion.strength.fastest(from, to);
+        let Some(own) = sums.get_mut(self.own[1]..) else { return };
+        for (sums, (motion, _)) in own.chunks_exact_mut(each).zip(&self.pins) {
+            let most = of(&motion.strength);
             let shifts = if self.in_space { 3 } else { 2 };
-            let all = bounds.iter_mut().zip(motion.shift).take(shifts);
-            all.for_each(|(bound, shift)| *bound += bend * shift.abs());
+            let all = sums.iter_mut().zip(motion.shift).take(shifts);
+            all.for_each(|(sum, shift)| *sum += most * shift.abs());
         }
     }
 

@@ -139,6 +139,20 @@ impl Strength {
         range
     }
 
+    /// By how much it leaves its mean between two times at most.
+    pub(crate) fn swing(&self, a: f64, b: f64) -> f64 {
+        let ([least, most], mean) = (self.range(a, b), self.mean(a, b));
+        (mean - least).max(most - mean).max(0.0)
+    }
+
+    /// The same of how fast its rate changes, but for jumps of the rate.
+    pub(crate) fn swing_of_curvature(&self, a: f64, b: f64) -> f64 {
+        match self {
+            Strength::Pieces(_) => 0.0,
+            Strength::Sine { frequency, .. } => (TAU * frequency).powi(2) * self.swing(a, b),
+        }
+    }
+
     /// The largest size of it between two times.
     pub(crate) fn largest(&self, a: f64, b: f64) -> f64 {
         self.range(a, b).into_iter().fold(0.0, |largest, value| largest.max(value.abs()))
@@ -307,6 +321,27 @@ mod tests {
                 assert!(least - low < wider && high - most < wider, "{strength:?} {a} {b}");
             }
         }
+    }
+
+    #[test]
+    fn a_swing_is_the_farthest_from_the_mean() {
+        for strength in all() {
+            for (a, b) in [(-0.5, 0.05), (0.0, 0.3), (0.2, 0.5), (-1.0, 2.0), (0.35, 0.36)] {
+                let times = (0..=4000).map(|k| a + (b - a) * f64::from(k) / 4000.0);
+                let off = times.map(|t| (strength.at(t) - strength.mean(a, b)).abs());
+                let most = off.fold(0.0, f64::max);
+                let between = strength.fastest(a, b)[0] * (b - a) / 4000.0 + 1e-12;
+                // A jump at the end itself is of the step.
+                let wider = between + if b == 0.3 { 4.0 } else { 0.0 };
+                let swing = strength.swing(a, b);
+                assert!(swing >= most - 1e-12 && swing < most + wider, "{strength:?} {a} {b}");
+            }
+        }
+        let sine = &all()[3];
+        let farthest = (0..=4000).map(|k| 0.2 + 0.1 * f64::from(k) / 4000.0);
+        let mean = (sine.rate(0.3) - sine.rate(0.2)) / 0.1;
+        let off = farthest.map(|t| (sine.curvature(t) - mean).abs()).fold(0.0, f64::max);
+        assert!((sine.swing_of_curvature(0.2, 0.3) / off - 1.0).abs() < 1e-3, "{off}");
     }
 
     #[test]

@@ -82,6 +82,13 @@ impl StepForces for Given {
         }
     }
 
+    fn add_swings(&self, start: &State<Vec<f64>>, swings: &mut [f64]) {
+        if let Some(acting) = &self.acting {
+            acting.add_swings((start.t, self.h), &start.q, swings);
+        }
+        self.obstacles.add_swings((start.t, start.t + self.h), swings);
+    }
+
     fn next_corner(&self, t: f64) -> Option<f64> {
         let told = self.speeds.iter().chain(&self.places).filter_map(|told| told.next_corner(t));
         let acting = self.acting.as_ref().and_then(|acting| acting.next_corner(t));

@@ -80,6 +80,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             note(EventKind::ContactEnds, one.bodies, 0.0);
         }
         std::mem::swap(&mut self.last, &mut self.seen[2]);
+        self.begun = true;
         Ok(())
     }
 }

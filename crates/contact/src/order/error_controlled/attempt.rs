@@ -51,6 +51,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             impacts: false,
             impact_energy: 0.0,
         };
+        let mut swing = 0.0_f64;
         let slow = SHARE * self.accuracy / self.horizon;
         for k in 0..3 {
             let (of, length) =
@@ -73,23 +74,29 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             }
             self.find_works(k, &done, forces);
             self.seen[k].look(&self.world, length);
+            if k > 0 {
+                self.swings.find(&mut self.world, &self.start, forces);
+                swing = swing.max(self.swings.off(self.seen[k].margin, length, self.horizon));
+            }
             if done.impacts > 0 || self.seen[k].closes(slow * length) {
                 tried.within = Within::Meets;
                 tried.hits = true;
             }
         }
-        // The start belongs to the step as well: what just came to touch is no smooth motion.
-        if !self.seen.iter().all(|seen| seen.pushes_as(&self.last)) {
+        // The start belongs to the step as well: what just came to touch is no smooth motion. Before the first step
+        // nothing is known.
+        let before = if self.begun { &self.last } else { &self.seen[1] };
+        if !self.seen.iter().all(|seen| seen.pushes_as(before)) {
             tried.within = Within::Meets;
         } else if tried.within == Within::Smooth
-            && !self.seen.iter().all(|seen| seen.rubs_as(&self.last))
+            && !self.seen.iter().all(|seen| seen.rubs_as(before))
         {
             tried.within = Within::SlipChanges;
         }
         self.difference.copy_from(self.halves.p.view());
         self.difference.add_scaled(-1.0, self.now.p.view());
         self.world.system().metric().sharp(self.difference.view(), self.rates.view_mut());
-        tried.off = self.seen.iter().map(|seen| seen.early).fold(0.0, f64::max);
+        tried.off = self.seen.iter().map(|seen| seen.early).fold(swing, f64::max);
         let horizon = if tried.within == Within::SlipChanges { self.horizon } else { 0.0 };
         for body in 0..self.world.detector().bodies() {
             if self.world.is_obstacle(body) {

@@ -11,6 +11,32 @@ use crate::assemble::acting::rate::Rate;
 use crate::assemble::anchor::Anchor;
 
 impl Acting {
+    /// Adds to each freedom by how much what acts leaves its mean in a step of `h` from `t`, where bodies are at its
+    /// start; of pins that move by how much their pull changes between the start, the middle and the end.
+    pub(crate) fn add_swings(&self, (t, h): (f64, f64), q: &[f64], swings: &mut [f64]) {
+        for Act { strength, what, .. } in &self.acts {
+            if what.follows_pins() {
+                let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.inverse.len()];
+                for now in [t, t + 0.5 * h, t + h] {
+                    let mut pulls = vec![0.0; self.inverse.len()];
+                    what.forces((now, q), &self.inverse, self.each, &mut |freedom, force| {
+                        pulls[freedom] += force;
+                    });
+                    for (range, pull) in ranges.iter_mut().zip(pulls) {
+                        *range = [range[0].min(pull), range[1].max(pull)];
+                    }
+                }
+                for (swing, [least, most]) in swings.iter_mut().zip(ranges) {
+                    *swing += most - least;
+                }
+            } else if let swing @ f64::MIN_POSITIVE.. = strength.swing(t, t + h) {
+                what.forces((t, q), &self.inverse, self.each, &mut |freedom, force| {
+                    swings[freedom] += swing * force.abs();
+                });
+            }
+        }
+    }
+
     /// Adds to the bound of each freedom.
     pub(crate) fn add_bounds(
         &self,
