@@ -469,7 +469,6 @@ fn touch<G: Dimension>(
     solid && first.meets(second) && !passing.contains(&[a.min(b), a.max(b)])
 }
 
-/// For each body the radius of a ball about its centre that holds all its shapes.
 /// Of each body, that of a ball about its centre that holds its shapes, and whether it carries one without end, of
 /// which the ball knows nothing.
 fn radii<G: Dimension>(colliders: &[ColliderIn<G>], bodies: usize) -> (Vec<f64>, Vec<bool>) {

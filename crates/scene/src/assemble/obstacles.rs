@@ -69,6 +69,10 @@ impl Obstacles {
         }
     }
 
+    pub(crate) fn freedoms(&self) -> usize {
+        self.pins.len() * if self.in_space { 6 } else { 3 }
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.pins.is_empty()
     }

@@ -51,8 +51,12 @@ impl Given {
 }
 
 impl Force for Given {
+    /// None where nothing acts; else those of the obstacles as well, on which nothing does.
     fn dim(&self) -> usize {
-        self.impulses.dim()
+        match self.impulses.dim() {
+            0 => 0,
+            own => own + self.obstacles.freedoms(),
+        }
     }
 
     fn add_force(&self, _: f64, _: &[f64], _: Vector<&[f64]>, f: Covector<&mut [f64]>) {

@@ -252,6 +252,37 @@ fn a_pin_that_moves_and_has_a_radius_pushes_what_it_meets() {
     }
 }
 
+#[test]
+fn a_load_goes_on_while_a_pin_pushes_under_every_way_to_touch() {
+    for (dimension, side) in [(2, "[0.2, 0.2]"), (3, "[0.2, 0.2, 0.2]")] {
+        let at = |x: f64, y: f64| format!("{:?}", &[x, y, 0.0][..dimension]);
+        for method in ["rattle", "event-driven-2", "error-controlled\"\ntolerance = \"1e-3"] {
+            let method = match (method, dimension) {
+                ("rattle", 3) => "variational-rotation",
+                _ => method,
+            };
+            let text = format!(
+                "dimension = {dimension}\nintegrator = \"{method}\"\nstep = 0.001\nhorizon = 0.5\n\
+                 observables = [{{ velocity = \"it\" }}]\n\
+                 bodies = [{{ name = \"it\", mass = 2, box = {side}, position = {} }}]\n\
+                 loads = [{{ on = \"it\", force = {} }}]\n\
+                 particles = [{{ name = \"pusher\", radius = 0.1, pinned = true, position = {} }}]\n\
+                 contact = {{ restitution = 0.5 }}\n\
+                 motions = [{{ of = \"pusher\", shift = {}, strength = {{ ramp = [0, 1], to = 1 }} }}]\n",
+                at(0.6, 0.0),
+                at(0.0, 0.4),
+                at(0.0, 0.0),
+                at(2.0, 0.0),
+            );
+            let text = text.replace("\"1e-3\"", "1e-3");
+            let run = scene(&text).run().unwrap();
+            let end = run.observed(run.times().len() - 1);
+            // It is hit from the side, while 0.2 m/s^2 lead it across.
+            assert!((end[0] - 3.0).abs() < 1e-9 && (end[1] - 0.1).abs() < 1e-9, "{text}{end:?}");
+        }
+    }
+}
+
 /// A ball on a rod from a pin that moves, which another pushes: a run that is resumed is the one that was not.
 #[test]
 fn a_run_with_pins_that_lead_and_push_resumes_to_the_same_bits() {
