@@ -273,8 +273,8 @@ fn a_load_goes_on_while_a_pin_pushes_under_every_way_to_touch() {
             );
             let run = scene(&text).run().unwrap();
             let end = run.observed(run.times().len() - 1);
-            // It is hit from the side, while 0.2 m/s^2 lead it across.
-            assert!((end[0] - 3.0).abs() < 1e-9 && (end[1] - 0.1).abs() < 1e-9, "{text}{end:?}");
+            // It is hit from the side, 8 mm beside its middle, while 0.2 m/s^2 lead it across.
+            assert!((end[0] - 3.0).abs() < 0.02 && (end[1] - 0.1).abs() < 1e-9, "{text}{end:?}");
         }
     }
 }
