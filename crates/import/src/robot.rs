@@ -140,7 +140,8 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Takes limits that a scene can have: they are finite, the start lies between them, and none is beyond `most`; says whether.
+    /// Takes limits that a scene can have: they are finite, the start lies between them, and none is beyond `most`;
+    /// says whether.
     pub(crate) fn take(&mut self, [low, high]: [f64; 2], most: f64) -> bool {
         let finite = low.is_finite() && high.is_finite();
         let fits =

@@ -467,9 +467,9 @@ fn what_slides_outward_on_a_turning_plane_is_pushed_on_with_twice_its_speed_time
     (0..3).for_each(|c| v[c] = outward * along[c] + turn * away * across[c]);
     let (system, nothing) = (bodies(1), None::<BodyForces<Poses>>);
     let found = instant(&system, &TurningPlane(turn), &nothing, (t, &q, &v)).unwrap();
-    for c in 0..2 {
-        let off = found.accelerations[c] - 2.0 * outward * turn * across[c];
-        assert!(off.abs() < 1e-10, "{c}: {off:e}");
+    for (found, across) in found.accelerations.iter().zip(across).take(2) {
+        let off = found - 2.0 * outward * turn * across;
+        assert!(off.abs() < 1e-10, "{off:e}");
     }
 }
 
