@@ -25,6 +25,11 @@ impl<'t> Watch<'t> {
         Watch { trial, deadline, steps: 0, works: vec![0], end: End::Whole }
     }
 
+    /// When the time is over.
+    pub fn deadline(&self) -> Instant {
+        self.deadline
+    }
+
     /// A step was taken. Breaks off where the time is over.
     pub fn stepped(&mut self) -> ControlFlow<()> {
         self.steps += 1;

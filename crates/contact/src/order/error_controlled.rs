@@ -8,7 +8,7 @@
 //!
 //! | in the step | off |
 //! | --- | --- |
-//! | slip of the same surfaces starts, ends or turns | `max(|x1 - x2|, T |x2. - x.|)` |
+//! | slip of the same surfaces starts, ends or turns | `max(|x1 - x2|, T |x~. - x.| + T |x2. - x~.|)` |
 //! | a gap `g` hits, a limit of a joint does | `max(|x1 - x2|, (1 + c) g)` |
 //! | all else | `|x1 - x2|` |
 //! | any | `|x~ - (x0 + x2)/2|`, `x~` after half of the step: what is read in between is straight |
@@ -115,13 +115,14 @@ pub struct ErrorControlled<G: Flies, P> {
     swings: Swings,
     mean: Vector<Vec<f64>>,
     difference: Covector<Vec<f64>>,
-    rates: Vector<Vec<f64>>,
+    /// What each half changes of velocities.
+    rates: [Vector<Vec<f64>>; 2],
     now: State<Vec<f64>>,
     start: State<Vec<f64>>,
     whole: State<Vec<f64>>,
     halves: State<Vec<f64>>,
-    /// Where bodies are after the first half.
-    middle: Vec<f64>,
+    /// After the first half.
+    middle: State<Vec<f64>>,
 }
 
 impl<G: Flies, P: Potential> ErrorControlled<G, P> {
@@ -136,7 +137,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         let n = world.system().dim();
         Ok(ErrorControlled {
             difference: Covector(vec![0.0; n]),
-            rates: Vector(vec![0.0; n]),
+            rates: [Vector(vec![0.0; n]), Vector(vec![0.0; n])],
             mean: Vector(vec![0.0; n]),
             swings: Swings::new(n),
             world,
@@ -156,7 +157,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             start: State::default(),
             whole: State::default(),
             halves: State::default(),
-            middle: Vec::new(),
+            middle: State::default(),
         })
     }
 

@@ -1,9 +1,12 @@
 //! What pushes in a step of a world, and how it rubs: two steps of the same motion see the same.
 //!
 //! ```text
-//! |t| >= (1 - 1e-6) mu n        slides            t n impulses along the surfaces and across them, mu the friction
+//! |t| >= (1 - 1e-6) mu n        slides, if |u| > 1e-4 mu n/m as well: of two corners that stick one may be at its bound
 //! min(n, mu n - |t|)/h          by how much forces may grow before a pair parts, or slips where it sticks
+//! u.(u + (w2 - w1)/2) <= 0      turns around after the step has looked
 //! ```
+//! `t n` impulses along surfaces and across them (N s), `mu` the friction, `m` the mass of all that moves, `u` slip and
+//! `w1 w2` the speeds of an obstacle in both halves (m/s).
 
 use stationary_calculus::Potential;
 use stationary_constraints::RowLaw;
@@ -12,6 +15,8 @@ use crate::{Dimension, World};
 
 /// The part of Coulomb's bound from which friction slides.
 const SLIDES: f64 = 1.0 - 1e-6;
+/// Slip of less than this part of what friction changes of the velocity of all that moves is the solver's.
+const SLIP: f64 = 1e-4;
 /// The cosine of the angle by which friction turns at most in smooth sliding.
 const STRAIGHT: f64 = 0.9;
 
@@ -26,6 +31,8 @@ pub(super) struct Pushing<G: Dimension> {
     /// The normal impulse, and by how much friction may grow, N s.
     normal: f64,
     grip: f64,
+    /// On an obstacle how fast it slips at the step's end, and what of that the obstacle is, m/s.
+    slip: Option<[G::Vector; 2]>,
 }
 
 impl<G: Dimension> Pushing<G> {
@@ -36,6 +43,16 @@ impl<G: Dimension> Pushing<G> {
             G::dot(a, b) >= STRAIGHT * length(a) * length(b)
         };
         self.slides == other.slides && (!self.slides || straight())
+    }
+
+    /// Whether slip turns around in the last quarter of a step whose halves these are: an obstacle has its mean speed in
+    /// each.
+    fn turns_around(&self, later: &Self) -> bool {
+        let (Some([_, first]), Some([slip, second])) = (self.slip, later.slip) else {
+            return false;
+        };
+        let rubs = later.slides && G::dot(&later.friction, &later.friction) > 0.0;
+        rubs && G::dot(&slip, &(slip + (second - first) * 0.5)) <= 0.0
     }
 }
 
@@ -72,11 +89,18 @@ impl<G: Dimension> Seen<G> {
         for touch in world.touches().filter(|touch| touch.impact > 0.0) {
             *early = early.max((1.0 + touch.contact.restitution) * touch.contact.gap);
         }
+        let all = world.mass_that_moves();
         for touch in world.touches().filter(|touch| touch.normal > 0.0) {
             *gap = gap.max(touch.contact.gap);
             let rubbed = G::dot(&touch.friction, &touch.friction).sqrt();
             let bound = touch.contact.friction * touch.normal;
-            let slides = bound == 0.0 || rubbed >= SLIDES * bound;
+            let along = touch.contact.normal;
+            let across = |u: G::Vector| u - along * G::dot(&u, &along);
+            let slides = bound == 0.0
+                || (rubbed >= SLIDES * bound && {
+                    let slip = across(world.rate_at(&touch.contact)[0]);
+                    G::dot(&slip, &slip).sqrt() > SLIP * bound / all
+                });
             let colliders = touch.contact.id.colliders;
             let impulse = touch.contact.normal * touch.normal + touch.friction;
             let (normal, grip) = (touch.normal, (bound - rubbed).max(0.0));
@@ -90,9 +114,18 @@ impl<G: Dimension> Seen<G> {
                 }
                 None => {
                     let (bodies, friction) = (touch.contact.bodies, touch.friction);
-                    let pair =
-                        Pushing { colliders, bodies, slides, friction, impulse, normal, grip };
-                    pairs.push(pair);
+                    let on_obstacle = bodies.iter().flatten().any(|&body| world.is_obstacle(body));
+                    let slip = on_obstacle.then(|| world.rate_at(&touch.contact).map(across));
+                    pairs.push(Pushing {
+                        colliders,
+                        bodies,
+                        slides,
+                        friction,
+                        impulse,
+                        normal,
+                        grip,
+                        slip,
+                    });
                 }
             }
         }
@@ -142,6 +175,11 @@ impl<G: Dimension> Seen<G> {
         let colliders = |pair: &Pushing<G>| pair.colliders;
         let same = self.pairs.iter().map(colliders).eq(other.pairs.iter().map(colliders));
         same && self.limits.iter().eq(&other.limits)
+    }
+
+    /// Whether slip turns around in the last quarter of a step whose halves these are.
+    pub(super) fn turns_around(&self, later: &Self) -> bool {
+        self.pairs.iter().zip(&later.pairs).any(|(first, second)| first.turns_around(second))
     }
 
     /// Whether these stick or slide the same way.

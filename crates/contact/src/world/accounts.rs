@@ -53,6 +53,21 @@ impl<G: Dimension, P: Potential> World<G, P> {
         }
     }
 
+    /// By how much the second point of a contact of the last step is faster than the first at its end, m/s, and what of
+    /// that obstacles are.
+    pub(crate) fn rate_at(&self, contact: &ContactIn<G>) -> [G::Vector; 2] {
+        let Memory { states, after, .. } = &self.memory;
+        let of_side = |side: usize, counts: &dyn Fn(usize) -> bool| match contact.bodies[side] {
+            Some(body) if counts(body) => {
+                let (x, w) = after[body];
+                x + G::swing(&w, &(contact.points[side] - states[body].centre))
+            }
+            _ => G::Vector::default(),
+        };
+        let rate = |counts: &dyn Fn(usize) -> bool| of_side(1, counts) - of_side(0, counts);
+        [rate(&|_| true), rate(&|body| self.is_obstacle(body))]
+    }
+
     /// The contact that slides in Painleve's paradox, if one does.
     pub(super) fn painleve(&self, contacts: &[ContactIn<G>]) -> Option<Painleve> {
         let Memory { states, impulses, hits, start, .. } = &self.memory;

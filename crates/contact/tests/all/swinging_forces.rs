@@ -178,8 +178,7 @@ fn a_table_that_is_shaken_beyond_friction_for_a_part_of_a_step_slips_beneath_wha
     for case in 0..12 {
         let mut draw = |a: f64, b: f64| a + 0.5 * (b - a) * (1.0 + random.symmetric());
         let (friction, omega) = (draw(0.2, 0.5), draw(3.0, 40.0));
-        // Less than what would make it slide without a rest.
-        let size = friction * G * draw(0.9, if case % 2 == 0 { 1.2 } else { 1.6 }) / omega;
+        let size = friction * G * draw(0.9, if case % 2 == 0 { 1.2 } else { 3.0 }) / omega;
         for accuracy in [1e-3, 1e-5] {
             let mut shaking = Shaking { size, omega, h: 0.0 };
             let colliders = vec![

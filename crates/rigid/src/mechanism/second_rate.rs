@@ -52,7 +52,8 @@ impl Differences {
         if doubt < self.doubt {
             (self.best, self.doubt, self.steepest) = (found, doubt, most / h);
         }
-        self.ended |= !found.is_finite() || doubt > LONGER * self.doubt;
+        // No time is better than one of no doubt, as where nothing drives.
+        self.ended |= !found.is_finite() || doubt > LONGER * self.doubt || doubt == 0.0;
     }
 
     fn is_settled(&self) -> bool {

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::rc::Rc;
+use std::time::Instant;
 
 use stationary_choose::{
     Energies, Failure, Kind, MOMENTS, Record, Samples, Watch, counted, own_parts,
@@ -153,6 +154,10 @@ impl Observer for Judging<'_, '_> {
 
     fn keep(&mut self, _: &Checkpoint) {}
 
+    fn deadline(&self) -> Option<Instant> {
+        Some(self.watch.deadline())
+    }
+
     fn own_ends(&mut self, ends: &[f64]) {
         self.accepted.extend_from_slice(ends);
     }
@@ -216,6 +221,7 @@ fn failure(error: &RunError) -> Failure {
             StepError::NonFiniteConfiguration { .. } | StepError::NonFiniteMomentum { .. },
         ))
         | Some(StepFailure::Overflow { .. }) => Failure::Unstable(said),
+        Some(StepFailure::TimeIsOver) => Failure::OutOfBudget,
         _ => Failure::NotConverged(said),
     }
 }

@@ -3,6 +3,8 @@
 //! A method moves numbers of its own, from which the scene's state is read: places and momenta of particles,
 //! or coordinates and speeds of joints.
 
+use std::time::Instant;
+
 use stationary_calculus::{Covector, Metric, Vector};
 use stationary_integrators::{
     AdaptiveMethod, BackwardDifferences, DormandPrince54, DormandPrince853, MechanicalField,
@@ -60,6 +62,9 @@ pub(crate) trait Reader {
     }
 }
 
+/// Steps between two looks at the clock.
+const LOOK: usize = 256;
+
 /// Numbers that are those of the state.
 struct PlacesAndMomenta;
 
@@ -99,6 +104,7 @@ pub(crate) fn read_off<'s>(
         ends: Vec::new(),
         own,
         driven,
+        deadline: None,
     })
 }
 
@@ -116,6 +122,8 @@ struct Reading<'s> {
     ends: Vec<f64>,
     own: Own,
     driven: Option<Worked>,
+    /// When it breaks off.
+    deadline: Option<Instant>,
 }
 
 /// States within the method's own steps since it was asked last.
@@ -218,6 +226,11 @@ impl Stepper for Reading<'_> {
             let end = corners.into_iter().flatten().fold(self.end, f64::min);
             self.method.step(end)?;
             self.ends.push(self.method.moment().t);
+            if self.ends.len().is_multiple_of(LOOK)
+                && self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            {
+                return Err(StepFailure::TimeIsOver);
+            }
             self.count_works(to)?;
             if !self.own.parts.is_empty() {
                 self.keep_last()?;
@@ -245,6 +258,10 @@ impl Stepper for Reading<'_> {
 
     fn keep_own(&mut self, parts: &[f64]) {
         self.own.parts = parts.to_vec();
+    }
+
+    fn break_off_at(&mut self, deadline: Option<Instant>) {
+        self.deadline = deadline;
     }
 
     fn own_states(&self) -> &[State<Vec<f64>>] {

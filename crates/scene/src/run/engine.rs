@@ -86,6 +86,7 @@ impl Engine<'_> {
         }
         let mut own = OwnSamples::of(scene, observer.own_parts());
         self.stepper.keep_own(observer.own_parts());
+        self.stepper.break_off_at(observer.deadline());
         own.add(std::slice::from_ref(&self.state), &mut *self.recorder);
         let mut asked = Control::Continue;
         for step in done + 1..=steps {

@@ -126,6 +126,9 @@ pub enum StepFailure {
         /// The sum of their radii.
         radii: f64,
     },
+    /// A method that chooses its steps had to come further in the time that it was given.
+    #[error("the time that the run was given is over")]
+    TimeIsOver,
     /// What is sampled exceeds the range of a double, though the state does not.
     #[error(
         "{quantity} is not finite (got {value}); where the motion grows without bound take a smaller \

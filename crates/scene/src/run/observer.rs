@@ -1,10 +1,13 @@
 //! Who looks on while a scene runs, and controls it.
 
 use std::rc::Rc;
+use std::time::Instant;
 
 use stationary_integrators::Cost;
 
 use crate::run::checkpoint::Checkpoint;
+#[cfg(doc)]
+use crate::run::error::StepFailure;
 use crate::run::samples::Run;
 use crate::run::start::Start;
 
@@ -36,6 +39,12 @@ pub trait Observer {
     /// step of that part, which is then taken back. No cost is counted for it but that of adaptive
     /// steps, which are read off.
     fn inside(&mut self, _time: f64, _observed: &[f64]) {}
+
+    /// When the run is to be broken off although a step of the scene has not ended: an adaptive method may take any
+    /// number of its own in one. It is then an error, [`StepFailure::TimeIsOver`].
+    fn deadline(&self) -> Option<Instant> {
+        None
+    }
 
     /// Sees where the steps ended that an adaptive method chose itself.
     fn own_ends(&mut self, _ends: &[f64]) {}

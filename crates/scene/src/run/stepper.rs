@@ -1,5 +1,7 @@
 //! A scene's method, bound to what it moves.
 
+use std::time::Instant;
+
 use stationary_integrators::{Saved, State, StepReport};
 
 use crate::assemble::error::AssemblyError;
@@ -41,6 +43,9 @@ pub(crate) trait Stepper {
 
     /// Keeps the states at these parts of such steps, and at their ends.
     fn keep_own(&mut self, _parts: &[f64]) {}
+
+    /// Ends in an error where its own steps go on beyond that moment.
+    fn break_off_at(&mut self, _deadline: Option<Instant>) {}
 
     /// Those within the last step of the scene, in the order of time.
     fn own_states(&self) -> &[State<Vec<f64>>] {

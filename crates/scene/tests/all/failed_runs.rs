@@ -1,6 +1,8 @@
 //! A run that cannot begin or go on says so in the names of its scene.
 
-use stationary_scene::Scene;
+use std::time::Instant;
+
+use stationary_scene::{Checkpoint, Control, Observer, Progress, RunError, Scene, StepFailure};
 
 fn words(text: &str) -> String {
     let scene = Scene::parse("a.toml", text).unwrap_or_else(|error| panic!("{error}"));
@@ -136,4 +138,37 @@ fn a_rotation_that_is_not_found_is_told_as_that_of_the_body_that_turns_the_most(
         { name = \"fast\", mass = 1, box = [1, 2, 3], position = [0, 0, 0], \
         angular_velocity = [1, 90, 1] }]";
     assert_names(&words(text), &["`fast` turns the most in it, by 90.01 radians"]);
+}
+
+/// Its time is over from the start.
+struct Late;
+
+impl Observer for Late {
+    fn stepped(&mut self, _: Progress<'_>) -> Control {
+        Control::Continue
+    }
+
+    fn keep(&mut self, _: &Checkpoint) {}
+
+    fn deadline(&self) -> Option<Instant> {
+        Some(Instant::now())
+    }
+}
+
+/// A hundred million own steps lie between two of the scene.
+#[test]
+fn a_method_that_chooses_its_steps_breaks_off_where_the_time_is_over() {
+    for method in ["dormand-prince-853", "dormand-prince-54", "radau-iia-5", "bdf-5"] {
+        let text = format!(
+            "dimension = 1\nintegrator = \"{method}\"\ntolerance = 1e-6\nstep = 1e5\nhorizon = 1e6\n\
+             observables = [\"energy\"]\n\
+             particles = [{{ name = \"pin\", pinned = true, position = [0] }},\n\
+             {{ name = \"it\", mass = 1, position = [1], velocity = [1] }}]\n\
+             springs = [{{ between = [\"pin\", \"it\"], stiffness = 1e7 }}]\n"
+        );
+        let scene = Scene::parse("a.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        let error = scene.run_from(None, &mut Late).unwrap_err();
+        let over = matches!(&error, RunError::Interrupted(stop) if matches!(stop.source, StepFailure::TimeIsOver));
+        assert!(over && error.partial().is_some_and(|run| run.times() == [0.0]), "{error:?}");
+    }
 }

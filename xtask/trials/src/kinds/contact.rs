@@ -18,6 +18,7 @@ mod scenes;
 mod solids;
 mod spatial;
 mod step;
+mod swung;
 
 use crate::Kind;
 
@@ -33,6 +34,7 @@ pub const KINDS: &[Kind] = &[
     jointed::KIND,
     jointed::LIMITED,
     jointed::OF_ANY_SIZE,
+    swung::KIND,
     points::KIND,
     planar_points::KIND,
     mesh_points::KIND,

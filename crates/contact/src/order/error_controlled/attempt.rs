@@ -1,6 +1,6 @@
 //! A step and two of half of it, and how far they are apart: `off` of the table of `error_controlled.rs`.
 
-use stationary_calculus::{Metric, Potential};
+use stationary_calculus::{Metric, Potential, Vector};
 use stationary_constraints::RowLaw;
 
 use super::{ErrorControlled, ErrorControlledReport, SHARE};
@@ -63,7 +63,7 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
             report.world_steps += 1;
             report.solves += work(&done);
             if k == 1 {
-                self.middle.clone_from(&self.halves.q);
+                self.middle.clone_from(&self.halves);
             }
             if k > 0 {
                 tried.settled &= done.settled;
@@ -89,13 +89,18 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
         if !self.seen.iter().all(|seen| seen.pushes_as(before)) {
             tried.within = Within::Meets;
         } else if tried.within == Within::Smooth
-            && !self.seen.iter().all(|seen| seen.rubs_as(before))
+            && (!self.seen.iter().all(|seen| seen.rubs_as(before))
+                || self.seen[1].turns_around(&self.seen[2]))
         {
             tried.within = Within::SlipChanges;
         }
-        self.difference.copy_from(self.halves.p.view());
-        self.difference.add_scaled(-1.0, self.now.p.view());
-        self.world.system().metric().sharp(self.difference.view(), self.rates.view_mut());
+        // Where slip turns around in the middle both halves together change nothing, but each does.
+        let halves = [[&self.now, &self.middle], [&self.middle, &self.halves]];
+        for ([from, to], rates) in halves.into_iter().zip(&mut self.rates) {
+            self.difference.copy_from(to.p.view());
+            self.difference.add_scaled(-1.0, from.p.view());
+            self.world.system().metric().sharp(self.difference.view(), rates.view_mut());
+        }
         tried.off = self.seen.iter().map(|seen| seen.early).fold(swing, f64::max);
         let horizon = if tried.within == Within::SlipChanges { self.horizon } else { 0.0 };
         for body in 0..self.world.detector().bodies() {
@@ -108,10 +113,12 @@ impl<G: Flies, P: Potential> ErrorControlled<G, P> {
                 apart + radius * angle
             };
             let [whole, halves, middle] =
-                [&self.whole.q, &self.halves.q, &self.middle].map(|q| G::pose(q, body));
+                [&self.whole.q, &self.halves.q, &self.middle.q].map(|q| G::pose(q, body));
             let between = chord::<G>(&self.now.q, &self.halves.q, body)?.at(0.5);
-            let rates = &self.rates.0[G::FREEDOMS * body..][..G::FREEDOMS];
-            let faster = horizon * speed::<G>(rates, radius);
+            let own = |rates: &Vector<Vec<f64>>| {
+                speed::<G>(&rates.0[G::FREEDOMS * body..][..G::FREEDOMS], radius)
+            };
+            let faster = horizon * self.rates.iter().map(own).sum::<f64>();
             tried.off = tried.off.max(far(&whole, &halves)).max(far(&between, &middle)).max(faster);
         }
         Ok(tried)
