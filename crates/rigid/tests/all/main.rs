@@ -22,6 +22,7 @@ mod mechanisms;
 mod planar;
 mod planar_joints;
 mod published;
+mod second_rates;
 mod shapes;
 mod symmetries;
 mod tree;
