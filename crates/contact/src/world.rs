@@ -15,9 +15,9 @@
 //! contacts do not change its velocity, and the work that it does is reported. On an error the
 //! state is as it was.
 //!
-//! Which points are looked at is judged pair by pair, by how far both bodies move in the step; where
-//! an impulse makes a body much faster than that, the step is solved again with the points that it
-//! then reaches. What turns far onto points that nobody looked at is named (see `turning.rs`). Impulses start from those of the last step, and each island of bodies that hang
+//! Which points are looked at is judged pair by pair, by how far both bodies move in the step; where an impulse makes
+//! a body faster than that, and it closes a gap that nobody looked at, the step is solved again from the impulses that
+//! were found (see `reach.rs`). What turns far onto points that nobody looked at is named (see `turning.rs`). Impulses start from those of the last step, and each island of bodies that hang
 //! together is looked at on its own. Where those impulses still meet the conditions nothing is
 //! solved (see `resting.rs`), and where they change no velocity none changes: what stands does not
 //! move at all, and a step of a world in which nothing moves costs no more than to see that (see
@@ -353,12 +353,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let mut round = 1;
         let mut report = loop {
             let mut report = self.solve_round(state, h, round)?;
-            let missed = self.widen_reach(h) | self.find_meeting(&state.q, h);
+            let unseen = self.unseen(&state.q, h)?;
+            let missed = unseen > report.residual;
+            let missed = self.find_meeting(&state.q, h) || missed;
             if round == ROUNDS || !missed {
                 report.settled &= !missed;
+                report.residual = report.residual.max(unseen);
                 break report;
             }
             round += 1;
+            let contacts = self.kept.found().iter().map(|contact| contact.id);
+            let Memory { again, impulses, .. } = &mut self.memory;
+            again.keep(h, contacts.zip(impulses.iter().copied()));
         };
         let off = report.residual.max(report.coulomb);
         if off > self.limit {
@@ -404,7 +410,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         if round < ROUNDS {
             self.drop_passing(&mut contacts, &state.q, h);
         }
-        let solved = self.solve(&contacts, &state.q, h);
+        let solved = self.solve(&contacts, &state.q, (h, round));
         self.kept.put_back(contacts);
         solved
     }
@@ -414,7 +420,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        h: f64,
+        (h, round): (f64, usize),
     ) -> Result<WorldReport, ContactError> {
         let mut report =
             WorldReport { contacts: contacts.len(), settled: true, ..WorldReport::default() };
@@ -426,12 +432,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
             self.impacts(contacts, q, h, &mut report)?;
             report.impact_energy = kinetic - self.kinetic_energy();
         }
-        let Memory { v, before, increment, lift, impulses, .. } = &mut self.memory;
+        let Memory { v, before, increment, lift, impulses, again, .. } = &mut self.memory;
         before.copy_from(v.view());
         v.add_scaled(1.0, increment.view());
         lift.0.fill(0.0);
         impulses.clear();
-        impulses.extend(self.last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
+        let last = if round > 1 { &*again } else { &self.last };
+        impulses.extend(last.guess(contacts.iter(), h).map(Option::unwrap_or_default));
         if !contacts.is_empty() || self.memory.joints.rows() > 0 {
             let limits = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);

@@ -2,6 +2,7 @@
 
 use stationary_calculus::Potential;
 
+use crate::solve::body_state::BodyState;
 use crate::world::lifting::PENETRATION_CORRECTION;
 use crate::world::memory::Memory;
 use crate::world::painleve::{Painleve, painleve};
@@ -25,10 +26,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             ((x + x0) * 0.5, (w + w0) * 0.5)
         }));
         let at = |of: &[(G::Vector, G::Spin)], contact: &ContactIn<G>, side: usize| {
-            contact.bodies[side].map_or_else(G::Vector::default, |body| {
-                let (x, w) = of[body];
-                x + G::swing(&w, &(contact.points[side] - states[body].centre))
-            })
+            point_velocity(contact, side, states, of)
         };
         lift_bias.clear();
         for ((contact, impulse), hit) in contacts.iter().zip(impulses.iter()).zip(hits.iter()) {
@@ -58,10 +56,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     pub(crate) fn rate_at(&self, contact: &ContactIn<G>) -> [G::Vector; 2] {
         let Memory { states, after, .. } = &self.memory;
         let of_side = |side: usize, counts: &dyn Fn(usize) -> bool| match contact.bodies[side] {
-            Some(body) if counts(body) => {
-                let (x, w) = after[body];
-                x + G::swing(&w, &(contact.points[side] - states[body].centre))
-            }
+            Some(body) if counts(body) => point_velocity(contact, side, states, after),
             _ => G::Vector::default(),
         };
         let rate = |counts: &dyn Fn(usize) -> bool| of_side(1, counts) - of_side(0, counts);
@@ -83,4 +78,17 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let moving = v.0.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
         moving.map(|(v, scale)| 0.5 * (v / scale) * (v / scale)).sum()
     }
+}
+
+/// The velocity of a contact's point, given those of bodies in world axes, m/s; zero of what is fixed.
+pub(super) fn point_velocity<G: Dimension>(
+    contact: &ContactIn<G>,
+    side: usize,
+    states: &[BodyState<G>],
+    velocities: &[(G::Vector, G::Spin)],
+) -> G::Vector {
+    contact.bodies[side].map_or_else(G::Vector::default, |body| {
+        let (x, w) = velocities[body];
+        x + G::swing(&w, &(contact.points[side] - states[body].centre))
+    })
 }

@@ -13,6 +13,7 @@ use crate::solve::rolling_rows::RollingRows;
 use crate::when::rigid_time_of_impact::MeetRoom;
 use crate::world::jointed::JointedMemory;
 use crate::world::resting::Resting;
+use crate::world::warm_start::WarmStart;
 use crate::{ContactIn, Dimension};
 
 /// What a step writes before it is known to succeed.
@@ -39,6 +40,10 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) passing: Vec<ContactIn<G>>,
     pub(super) meeting: Vec<[usize; 2]>,
     pub(super) room: MeetRoom<G>,
+    /// What comes within reach of bodies that are faster than was foreseen.
+    pub(super) unseen: Vec<ContactIn<G>>,
+    /// What contacts pushed in the round before.
+    pub(super) again: WarmStart<G>,
     pub(super) scales: Vec<G::Velocity>,
     pub(super) states: Vec<BodyState<G>>,
     /// Velocities of bodies in world axes: after the step, and the mean with those before.
@@ -84,6 +89,8 @@ impl<G: Dimension> Memory<G> {
             passing: Vec::new(),
             meeting: Vec::new(),
             room: MeetRoom::default(),
+            unseen: Vec::new(),
+            again: WarmStart::default(),
             scales,
             states: Vec::new(),
             after: Vec::new(),

@@ -1,17 +1,27 @@
-//! Which contacts a step looks at: how far bodies move, and what passes with clearance.
+//! Which contacts a step looks at: how far bodies move, what passes with clearance, and what nobody foresaw.
+//!
+//! ```text
+//! r_a = h (|v_a| + |dv_a|) + 1e-6 R_a,   g <= r_a + r_b           what is looked at
+//! |h v_a| > r_a:   r_a <- 3/2 |h v_a|,   max (-n.(v_2 - v_1) - max(g, 0)/h)       over what comes within reach
+//! ```
+//! `v_a` the speed of the fastest point of body `a` (m/s), before the step above and after it below, `dv_a` the
+//! velocity increment, `R_a` its radius (m). A body that an impulse makes faster than was foreseen may close gaps
+//! that nobody looked at: by how much at most is a part of the residual, or the step is solved again.
 
 use stationary_calculus::Potential;
 
 use crate::solve::body_state::speed;
+use crate::world::accounts::point_velocity;
 use crate::world::clearance::{StepMotion, has_contacts};
 use crate::world::memory::Memory;
-use crate::{ContactIn, Dimension, World};
+use crate::{ContactError, ContactIn, Dimension, World};
 
 /// Gaps up to this part of a body's radius are looked at even where nothing moves.
 const SPECULATIVE_MARGIN: f64 = 1e-6;
-/// A body that an impulse takes this part of its radius farther than was looked at may have missed
-/// a contact: the step is solved again.
-const MISSED: f64 = 1e-3;
+/// The same where joints take bodies farther even though nothing hits.
+const JOINTED_MARGIN: f64 = 1e-3;
+/// How much farther than a body goes is looked at where it is faster than was foreseen: it may become faster still.
+const WIDENED: f64 = 1.5;
 /// Pairs that move less than this part of the smaller radius against each other have gaps that are
 /// nearly linear over the step.
 const NONLINEAR_MOTION: f64 = 0.1;
@@ -21,8 +31,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
     pub(super) fn find_reach(&mut self, h: f64) {
         let Memory { start, increment, reach, joints, .. } = &mut self.memory;
         let f = G::FREEDOMS;
-        // Joints take bodies farther even where nothing hits.
-        let margin = if joints.rows() > 0 { MISSED } else { SPECULATIVE_MARGIN };
+        let margin = if joints.rows() > 0 { JOINTED_MARGIN } else { SPECULATIVE_MARGIN };
         let bodies = start.0.chunks_exact(f).zip(increment.0.chunks_exact(f)).enumerate();
         reach.clear();
         reach.extend(bodies.map(|(body, (v, increment))| {
@@ -32,19 +41,44 @@ impl<G: Dimension, P: Potential> World<G, P> {
         }));
     }
 
-    /// Widens the reach of what has become much faster; says whether there is any.
-    pub(super) fn widen_reach(&mut self, h: f64) -> bool {
-        let Memory { v, reach, joints, .. } = &mut self.memory;
-        let missed = if joints.rows() > 0 { 0.0 } else { MISSED };
+    /// How fast the fastest contact closes that nobody looked at, m/s: of what is faster than was foreseen, whose
+    /// reach is widened.
+    pub(super) fn unseen(&mut self, q: &[f64], h: f64) -> Result<f64, ContactError> {
+        let World { detector, kept, memory, .. } = self;
+        let Memory { v, reach, states, after, passing, unseen, joints, .. } = memory;
         let mut widened = false;
-        for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach).enumerate() {
-            let way = h * speed::<G>(v, self.detector.reach_of(body));
-            if way > *reach + missed * self.detector.radius_of(body) {
-                *reach = 1.5 * way;
+        // Where nothing pushes nothing is faster than was foreseen, and no velocity of a point is known.
+        if kept.found().is_empty() && joints.rows() == 0 {
+            return Ok(0.0);
+        }
+        for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach.iter_mut()).enumerate() {
+            let way = h * speed::<G>(v, detector.reach_of(body));
+            if way > *reach {
+                *reach = WIDENED * way;
                 widened = true;
             }
         }
-        widened
+        if !widened {
+            return Ok(0.0);
+        }
+        let seen = kept.take_found();
+        kept.put_back(std::mem::take(unseen));
+        let detected = kept.detect(detector, states, q, reach);
+        *unseen = kept.take_found();
+        let looked_at = |contact: &ContactIn<G>| {
+            let moves = |&body: &usize| states[body].moves();
+            seen.binary_search_by_key(&contact.id, |seen| seen.id).is_ok()
+                || has_contacts(passing, contact.id.pair())
+                || !contact.bodies.iter().flatten().any(moves)
+        };
+        let closes = |contact: &ContactIn<G>| {
+            let [a, b] = [0, 1].map(|side| point_velocity(contact, side, states, after));
+            -G::dot(&(b - a), &contact.normal) - contact.gap.max(0.0) / h
+        };
+        let fresh = unseen.iter().filter(|contact| !looked_at(contact));
+        let fastest = fresh.map(closes).fold(0.0, f64::max);
+        kept.put_back(seen);
+        detected.map(|()| fastest)
     }
 
     /// Drops the contacts of pairs that move far in the step and pass each other with clearance.

@@ -32,7 +32,8 @@ pub struct WorldReport {
     pub impact_residual: f64,
     /// Whether the contact conditions are met as far as asked.
     pub settled: bool,
-    /// How far the normal conditions are from being met, m/s; of what rests, at most.
+    /// How far the normal conditions are from being met, m/s, and how fast what was not looked at closes; of what
+    /// rests, at most.
     pub residual: f64,
     /// How far Coulomb's law is from being met, m/s; of what rests, at most.
     pub coulomb: f64,

@@ -20,6 +20,8 @@ mod equalities;
 mod error_controlled;
 mod exact_friction;
 #[cfg(all(feature = "2d", feature = "3d"))]
+mod foreseen;
+#[cfg(all(feature = "2d", feature = "3d"))]
 mod heavy_stacks;
 mod impact_laws;
 #[cfg(feature = "3d")]

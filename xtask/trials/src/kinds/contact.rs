@@ -31,6 +31,7 @@ pub const KINDS: &[Kind] = &[
     scenes::PLANAR,
     scenes::SPATIAL,
     scenes::ROLLING,
+    scenes::LANDING,
     jointed::KIND,
     jointed::LIMITED,
     jointed::OF_ANY_SIZE,

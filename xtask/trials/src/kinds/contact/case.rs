@@ -189,6 +189,34 @@ impl Case {
         Case { rolling, ..self }
     }
 
+    /// Its first thing as a box that is about to land nearly flat on the ground or on the second, which lies there:
+    /// what one corner hits may take another along within the step.
+    pub(super) fn landing(self, draw: &mut Draw) -> Self {
+        let Case { flat, scale, mut things, .. } = self;
+        let up = up(flat);
+        let time = if self.gravity > 0.0 { (scale / self.gravity).sqrt() } else { 1.0 };
+        let step = time * draw.one_of(&[1e-2, 1e-3, 1e-4, 1e-5]);
+        let speed = draw.one_of(&[0.1, 1.0, 10.0]) * scale / time;
+        things.truncate(2);
+        let mut low = 0.0;
+        for (k, thing) in things.iter_mut().enumerate().rev() {
+            let high = if flat { 1 } else { 2 };
+            let widest = (0..high).map(|k| thing.half[k]).fold(0.0, f64::max);
+            let falls = if k == 0 { speed } else { 0.0 };
+            let tilt = 2.0 * step * falls / widest;
+            let [x, y, gap] = [tilt * draw.symmetric(), tilt * draw.symmetric(), draw.unit()];
+            thing.form = Form::Box;
+            thing.turn = if flat { Vector3::z() * x } else { Vector3::new(x, y, 0.0) };
+            let lean = thing.turn.norm() * widest * 2.0_f64.sqrt();
+            thing.place = up * (low + thing.half[high] + lean + step * falls * gap);
+            thing.velocity = up * -falls;
+            thing.spin = Vector3::zeros();
+            low += 2.0 * thing.half[high];
+        }
+        draw.note(format!("a box lands: step {step:?}, {things:?}"));
+        Case { things, pushed: false, grounds: vec![up], step, ..self }
+    }
+
     fn told(&self, family: Family) -> String {
         let Case { gravity, law, tolerance, step, steps, grounds, .. } = self;
         let heading = format!(

@@ -49,6 +49,20 @@ pub(super) const ROLLING: Kind = Kind {
     },
 };
 
+pub(super) const LANDING: Kind = Kind {
+    name: "flat-landings",
+    krate: "contact",
+    rule: "boxes of the plane and of space that land nearly flat, by the rules of planar-contact and \
+           spatial-contact: what one corner hits takes another along",
+    in_tests: 100,
+    trial: |draw| {
+        trial(draw, |draw| {
+            let flat = draw.chance(0.5);
+            drawn(draw, flat).landing(draw)
+        })
+    },
+};
+
 fn made(case: &Case) -> Result<Box<dyn Engine>, ContactError> {
     Ok(match case.flat {
         true => Box::new(planar::Scene::new(case)?),

@@ -32,6 +32,8 @@ const PILE: usize = 100;
 /// Bodies are through each other where they are deeper in each other by this part of the thinner one
 /// than is allowed.
 const THROUGH: f64 = 0.02;
+/// Deeper in the ground, which is even, by so much than gaps that are linear err.
+const DEEPER: f64 = 1e-5;
 /// Lifting some may push others into each other, by this part of the deepest overlap.
 const LIFTED: f64 = 0.5;
 /// Turns in a step beyond this may be refused, rad.
@@ -439,7 +441,7 @@ impl<'a> Referee<'a> {
                 let excess = &mut self.excess[count * count + self.case.grounds.len() * k + ground];
                 *excess = if is == 0.0 { 0.0 } else { *excess + (is - allowed).max(0.0) };
                 let what = "deeper in the ground";
-                verdict = verdict.and(Verdict::of(*excess, THROUGH * hull.thin, what));
+                verdict = verdict.and(Verdict::of(*excess, DEEPER * hull.thin, what));
             }
             for other in 0..k {
                 let hulls = [&self.bodies[other].hull, hull];
@@ -460,7 +462,7 @@ impl<'a> Referee<'a> {
                 let allowed = was.max(deepest([Some(other), Some(k)])) + turn + common;
                 let excess = &mut self.excess[count * k + other];
                 *excess += (most - allowed).max(0.0);
-                verdict = verdict.and(Verdict::of(*excess, THROUGH * thin, "through each other"));
+                verdict = verdict.and(Verdict::of(*excess, DEEPER * thin, "through each other"));
                 if is == 0.0 {
                     *excess = 0.0;
                 }
