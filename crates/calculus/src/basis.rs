@@ -14,7 +14,7 @@
 //! Source: notes 1.1-1.4, table 1.1 (which gives the frame's rule for the contravariant 2-tensor,
 //! errata chapter 1). Curved coordinates, where T varies from point to point, are not treated.
 
-use nalgebra::{DMatrix, DVector, DVectorView, Dyn, FullPivLU};
+use nalgebra::{DMatrix, DVectorView, Dyn, FullPivLU};
 
 use crate::{Covector, SizeError, Vector};
 
@@ -58,6 +58,9 @@ impl BilinearForm {
 #[derive(Clone, Debug)]
 pub struct ChangeOfBasis {
     t: DMatrix<f64>,
+    /// The powers of two by which rows and columns were divided, so that units do not tell.
+    rows: Vec<f64>,
+    columns: Vec<f64>,
     factor: FullPivLU<f64, Dyn, Dyn>,
 }
 
@@ -99,7 +102,7 @@ impl ChangeOfBasis {
     /// # Errors
     /// [`BasisError::Size`] for a matrix that is not square, [`BasisError::NotFinite`] for an
     /// entry, [`BasisError::Singular`] for columns that depend on each other to working precision,
-    /// [`BasisError::InverseNotFinite`] for columns so short that the inverse overflows.
+    /// whatever their units, [`BasisError::InverseNotFinite`] for columns so short that the inverse overflows.
     pub fn new(t: DMatrix<f64>) -> Result<Self, BasisError> {
         let dim = t.nrows();
         SizeError::check("the new basis vectors", dim, t.ncols())?;
@@ -107,18 +110,24 @@ impl ChangeOfBasis {
             let (row, column) = (bad % dim, bad / dim);
             return Err(BasisError::NotFinite { row, column, entry: t[bad] });
         }
-        let factor = FullPivLU::new(t.clone());
+        let mut scaled = t.clone();
+        let columns: Vec<f64> = t.column_iter().map(|column| power_below(column.amax())).collect();
+        scaled.column_iter_mut().zip(&columns).for_each(|(mut c, unit)| c.unscale_mut(*unit));
+        let rows: Vec<f64> = scaled.row_iter().map(|row| power_below(row.amax())).collect();
+        scaled.row_iter_mut().zip(&rows).for_each(|(mut row, unit)| row.unscale_mut(*unit));
+        let factor = FullPivLU::new(scaled);
         let pivots = factor.u().diagonal();
         let negligible = dim as f64 * f64::EPSILON * pivots.amax();
         let rank = pivots.iter().filter(|pivot| pivot.abs() > negligible).count();
         if rank < dim {
             return Err(BasisError::Singular { rank, dim });
         }
-        let is_finite = |inverse: DMatrix<f64>| inverse.iter().all(|entry| entry.is_finite());
-        if dim > 0 && !factor.try_inverse().is_some_and(is_finite) {
-            return Err(BasisError::InverseNotFinite { largest: t.amax() });
+        let change = ChangeOfBasis { t, rows, columns, factor };
+        let inverse = change.solved(DMatrix::identity(dim, dim));
+        if inverse.iter().any(|entry| !entry.is_finite()) {
+            return Err(BasisError::InverseNotFinite { largest: change.t.amax() });
         }
-        Ok(ChangeOfBasis { t, factor })
+        Ok(change)
     }
 
     /// The matrix T.
@@ -132,11 +141,8 @@ impl ChangeOfBasis {
     /// [`SizeError`] unless the vector has d components.
     pub fn vector<C: AsRef<[f64]>>(&self, v: &Vector<C>) -> Result<Vector<Vec<f64>>, SizeError> {
         SizeError::check("the vector's components", self.t.nrows(), v.components().len())?;
-        let mut new = DVector::from_column_slice(v.components());
-        if !new.is_empty() {
-            self.factor.solve_mut(&mut new);
-        }
-        Ok(Vector(new.data.into()))
+        let given = DMatrix::from_column_slice(v.components().len(), 1, v.components());
+        Ok(Vector(self.solved(given).data.into()))
     }
 
     /// `[nu]~ = [nu] T`.
@@ -183,9 +189,14 @@ impl ChangeOfBasis {
     }
 
     fn solved(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        columns.row_iter_mut().zip(&self.rows).for_each(|(mut row, unit)| row.unscale_mut(*unit));
         if !columns.is_empty() {
             self.factor.solve_mut(&mut columns);
         }
+        columns
+            .row_iter_mut()
+            .zip(&self.columns)
+            .for_each(|(mut row, unit)| row.unscale_mut(*unit));
         columns
     }
 
@@ -193,6 +204,11 @@ impl ChangeOfBasis {
         SizeError::check("the matrix's rows", self.t.nrows(), matrix.nrows())?;
         SizeError::check("the matrix's columns", self.t.nrows(), matrix.ncols())
     }
+}
+
+/// The power of two below a size; 1 for zero.
+fn power_below(size: f64) -> f64 {
+    if size == 0.0 { 1.0 } else { 2.0_f64.powi(size.log2().floor().max(-1022.0) as i32) }
 }
 
 fn column(components: &[f64]) -> DVectorView<'_, f64> {
@@ -287,6 +303,21 @@ mod tests {
         assert!((&got - &expected).amax() < 1e-10 * expected.amax());
         let printed = t.solved(inverse.0);
         assert!((printed - &expected).amax() > 1.0);
+    }
+
+    #[test]
+    fn units_of_components_and_of_new_vectors_do_not_make_a_basis_singular() {
+        let t = dmatrix![3.0, 1.0, 0.5; -1.0, 2.0, 0.25; 0.5, 1.0, -2.0];
+        let (rows, columns) = ([1.0, 1e-90, 1e40], [1e-20, 1e30, 1.0]);
+        let sized = DMatrix::from_fn(3, 3, |i, j| t[(i, j)] * rows[i] * columns[j]);
+        let change = ChangeOfBasis::new(sized).unwrap();
+        // The vector whose new components are 1, -2 and 3 in units of their own.
+        let old = &t * nalgebra::dvector![1.0, -2.0, 3.0];
+        let new =
+            change.vector(&Vector((0..3).map(|i| old[i] * rows[i]).collect::<Vec<_>>())).unwrap();
+        for (k, expected) in [1.0, -2.0, 3.0].into_iter().enumerate() {
+            assert!((new.0[k] * columns[k] / expected - 1.0).abs() < 1e-14, "{new:?}");
+        }
     }
 
     #[test]

@@ -33,10 +33,23 @@ use crate::{Covector, Metric, SizeError, Vector, array};
 /// A real number or a dual number: what a function is written over to be differentiated.
 ///
 /// It has the arithmetic of `f64`, mixed arithmetic with an `f64` on the right, and `sqrt`, `sin`,
-/// `powi` and the like; `R::from(2.0)` is a constant. Numbers compare by their real parts.
+/// `powi` and the like; `R::from(2.0)` is a constant. Numbers compare by their real parts. Of an angle
+/// take [`atan2`]: their own has no derivatives where its second number is zero.
 pub trait Number: DualNum<Primitive = f64> + Copy {}
 
 impl<R: DualNum<Primitive = f64> + Copy> Number for R {}
+
+/// The angle of `(x, y)` from the first axis, in [-pi, pi], with derivatives that are right on the second axis and
+/// beside it as well: the dual numbers' own `atan2` divides by `x`. At the origin there are none.
+pub fn atan2<R: Number>(y: R, x: R) -> R {
+    let [up, along] = [y.re(), x.re()];
+    if up == 0.0 && along == 0.0 {
+        return y.atan2(x);
+    }
+    let part = if up.abs() <= along.abs() { (y / x).atan() } else { -(x / y).atan() };
+    // What is left are quarter turns, a constant.
+    part + (up.atan2(along) - part.re())
+}
 
 /// The directional derivative `D_w f(q)`, shaped like the value of f: a number, an array, an array of
 /// columns.
@@ -145,6 +158,28 @@ mod tests {
 
     fn pair() -> impl Strategy<Value = [f64; 2]> {
         prop::array::uniform2(-1.0..1.0)
+    }
+
+    #[test]
+    fn an_angle_has_its_derivatives_on_both_axes_and_beside_them() {
+        let angle = |[x, y]: [Dual2SVec64<2>; 2]| atan2(y, x);
+        for small in [0.0, 1e-300, 1e-17, 1e-12, 1e-6, 0.3] {
+            for (x, y) in [(small, 0.7), (small, -0.7), (-small, 0.7), (0.7, small), (-0.7, small)]
+            {
+                let square: f64 = x * x + y * y;
+                let slope = differential(|[x, y]| atan2(y, x), [x, y]).0;
+                let expected = [-y / square, x / square];
+                assert!(
+                    (0..2).all(|k| (slope[k] - expected[k]).abs() < 1e-15),
+                    "{x} {y} {slope:?}"
+                );
+                let (twice, cross) = (2.0 * x * y, y * y - x * x);
+                let bend = matrix![twice, cross; cross, -twice] / (square * square);
+                assert!((hessian(angle, [x, y]) - bend).amax() < 1e-14, "{x} {y}");
+                assert!((atan2(y, x) - y.atan2(x)).abs() <= 4.5e-16);
+            }
+        }
+        assert_eq!(atan2(0.0, 0.0), 0.0);
     }
 
     proptest! {

@@ -81,8 +81,8 @@ pub use check::{
 pub use dense_lu::DenseLu;
 pub use dense_solver::DenseSolver;
 pub use differential::{
-    Number, differential, directional_derivative, gradient, hessian, jacobian, jacobian_of_matrix,
-    second_differential,
+    Number, atan2, differential, directional_derivative, gradient, hessian, jacobian,
+    jacobian_of_matrix, second_differential,
 };
 pub use eigen::{EigenError, Eigenpairs};
 pub use equation::{Equation, Unsolvable};

@@ -8,13 +8,17 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::equation::power_of_two;
+
 /// The rows that no rows before them imply, to this part of their lengths, and an orthonormal basis of
 /// their span: by Gram and Schmidt, twice.
 pub fn independent_rows(a: &DMatrix<f64>, least: f64) -> (Vec<usize>, Vec<DVector<f64>>) {
     let (mut rows, mut basis) = (Vec::new(), Vec::<DVector<f64>>::new());
     for (number, row) in a.row_iter().enumerate() {
+        // In a power of two of its own, so that no square leaves the range of numbers.
+        let row = row.transpose() / power_of_two(row.amax());
         let length = row.norm();
-        let rest = beside(&basis, row.transpose());
+        let rest = beside(&basis, row);
         if length > 0.0 && rest.norm() > least * length {
             rows.push(number);
             basis.push(rest.normalize());
@@ -85,5 +89,22 @@ mod tests {
         assert_eq!(independent_rows(&a, 1e-7).0, [0, 3]);
         assert_eq!(independent_rows(&a, 1e-5).0, [0]);
         assert_eq!(complement(Vec::new(), 3), DMatrix::identity(3, 3));
+    }
+
+    #[test]
+    fn what_depends_on_what_does_not_depend_on_the_sizes_of_rows() {
+        let a = dmatrix![3.0, 4.0, 0.0; 0.5, 2.0, 1.0; 3.5, 6.0, 1.0];
+        let (rows, basis) = independent_rows(&a, 1e-9);
+        assert_eq!(rows, [0, 1]);
+        for (one, other) in [(-700, -700), (700, 700), (600, -1000)]
+            .map(|(one, other)| (2.0_f64.powi(one), 2.0_f64.powi(other)))
+        {
+            let mut sized = a.clone();
+            [one, other, one]
+                .into_iter()
+                .enumerate()
+                .for_each(|(k, s)| sized.row_mut(k).scale_mut(s));
+            assert_eq!(independent_rows(&sized, 1e-9), (rows.clone(), basis.clone()));
+        }
     }
 }

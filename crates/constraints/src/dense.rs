@@ -18,7 +18,7 @@ use std::array::from_fn;
 use stationary_calculus::{Covector, Metric, SizeError, Storage, Vector, first_non_finite};
 
 use crate::carried_sum::CarriedSum;
-use crate::multipliers::{DEPENDENT, Normal, check_solve};
+use crate::multipliers::{DEPENDENT, Diagonal, check_solve};
 use crate::rows::check_entries;
 use crate::{Constraint, ConstraintError, Multipliers, Redundancy, Rows, Solver};
 
@@ -38,8 +38,10 @@ pub struct DenseMultipliers<C, const M: usize> {
     redundancy: Redundancy,
     /// One over the slope of each equation.
     inverse_slope: [f64; M],
-    /// A singular value that is normal.
+    /// A singular value that is normal: one over the root of the largest mass that an equation touches, the largest
+    /// of all equations.
     normal: f64,
+    mass: C,
     rows: [Covector<C>; M],
     turned: [Covector<C>; M],
     raised: [Vector<C>; M],
@@ -88,7 +90,8 @@ impl<C: Storage, const M: usize> Solver<C> for Dense<M> {
             inverse_slope: from_fn(|row| {
                 if row < count { constraint.scale(row).slope.recip() } else { 0.0 }
             }),
-            normal: Normal::size(metric, constraint, t, q)?,
+            normal: 0.0,
+            mass: zeros.clone(),
             rows: from_fn(|_| Covector(zeros.clone())),
             turned: from_fn(|_| Covector(zeros.clone())),
             raised: from_fn(|_| Vector(zeros.clone())),
@@ -120,18 +123,23 @@ impl<const M: usize> AsMut<[f64]> for SmallVec<M> {
     }
 }
 
-/// Adds entries to the rows, and finds the first that is in none.
-struct Fill<'a, C> {
+/// Adds entries to the rows, and finds the first that is in none, and the largest mass that each touches.
+struct Fill<'a, C, const M: usize> {
     rows: &'a mut [Covector<C>],
+    mass: &'a [f64],
+    largest_mass: [f64; M],
     outside: Option<(usize, usize)>,
 }
 
-impl<C: Storage> Rows for Fill<'_, C> {
+impl<C: Storage, const M: usize> Rows for Fill<'_, C, M> {
     #[inline]
     fn add(&mut self, row: usize, freedom: usize, value: f64) {
         let place = self.rows.get_mut(row).and_then(|row| row.components_mut().get_mut(freedom));
         match place {
-            Some(entry) => *entry += value,
+            Some(entry) => {
+                *entry += value;
+                self.largest_mass[row] = self.largest_mass[row].max(self.mass[freedom]);
+            }
             None => {
                 self.outside.get_or_insert((row, freedom));
             }
@@ -158,11 +166,15 @@ impl<C: Storage, const M: usize> Multipliers for DenseMultipliers<C, M> {
         SizeError::check("the constraint's equations", rows, constraint.count())?;
         SizeError::check("the metric's freedoms", freedoms, metric.dim())?;
         self.rows.iter_mut().for_each(Covector::clear);
-        let mut fill = Fill { rows: &mut self.rows[..rows], outside: None };
+        Diagonal::refilled(self.mass.as_mut(), metric);
+        let (all, mass) = (&mut self.rows[..rows], self.mass.as_ref());
+        let mut fill = Fill { rows: all, mass, largest_mass: [0.0; M], outside: None };
         constraint.differential(t, q, &mut fill)?;
         if let Some((row, freedom)) = fill.outside {
             return Err(ConstraintError::UnknownFreedom { row, freedom, rows, freedoms });
         }
+        let touched = fill.largest_mass.iter().filter(|mass| **mass > 0.0);
+        self.normal = touched.fold(0.0, |most: f64, mass| most.max(mass.recip())).sqrt();
         for row in 0..self.count {
             self.turned[row].clear();
             self.turned[row].add_scaled(self.inverse_slope[row], self.rows[row].view());

@@ -13,7 +13,7 @@
 //! chain and in their redundant equations; `SparseGeneral` (feature `sparse`) with a metric that couples
 //! freedoms. Knows nothing of time steps.
 
-use stationary_calculus::{Covector, FIXED, Metric, Sink, SizeError, Vector};
+use stationary_calculus::{Covector, FIXED, Metric, Sink, Vector};
 
 use crate::{Constraint, ConstraintError, check_multipliers};
 
@@ -39,7 +39,7 @@ pub trait Multipliers: Clone {
     /// Zeros, one for each equation.
     fn numbers(&self) -> Self::Numbers;
 
-    /// Evaluates J at `(t, q)`, prepares solving, and examines the rank.
+    /// Evaluates J at `(t, q)`, takes the masses of the metric, prepares solving, and examines the rank.
     ///
     /// # Errors
     /// A configuration with fewer numbers than the constraint reads; another number of equations or
@@ -134,63 +134,42 @@ pub(crate) fn check_solve(
 }
 
 /// The masses on the diagonal of a metric, and the first freedom with another entry.
-pub(crate) struct Diagonal {
-    pub(crate) mass: Vec<f64>,
+pub(crate) struct Diagonal<C> {
+    pub(crate) mass: C,
     pub(crate) coupled: Option<usize>,
 }
 
-impl Diagonal {
+impl Diagonal<Vec<f64>> {
     pub(crate) fn of(metric: &impl Metric) -> Self {
-        let mut diagonal = Diagonal { mass: vec![0.0; metric.dim()], coupled: None };
+        Diagonal::refilled(vec![0.0; metric.dim()], metric)
+    }
+}
+
+impl<C: AsMut<[f64]>> Diagonal<C> {
+    /// Takes the masses of a metric of as many freedoms, in the memory that it has.
+    pub(crate) fn refilled(mut mass: C, metric: &impl Metric) -> Self {
+        mass.as_mut().fill(0.0);
+        let mut diagonal = Diagonal { mass, coupled: None };
         metric.add_matrix(&mut diagonal);
         diagonal
     }
 }
 
-impl Sink for Diagonal {
+impl<C: AsMut<[f64]>> Sink for Diagonal<C> {
     fn add_symmetric(&mut self, freedoms: &[usize], block: &[f64]) {
+        let mass = self.mass.as_mut();
         for (&j, column) in freedoms.iter().zip(block.chunks_exact(freedoms.len().max(1))) {
             for (&i, &entry) in freedoms.iter().zip(column) {
                 if i == FIXED || j == FIXED {
                     continue;
                 }
                 if i == j {
-                    self.mass[i] += entry;
+                    mass[i] += entry;
                 } else if entry != 0.0 {
                     self.coupled.get_or_insert(i);
                 }
             }
         }
-    }
-}
-
-/// The size of each row of J M^-1/2 that would be normal, in reference scales: one over the root of
-/// the largest mass that the equation touches.
-pub(crate) struct Normal<'a> {
-    pub(crate) mass: &'a [f64],
-    pub(crate) largest_mass: Vec<f64>,
-}
-
-impl crate::Rows for Normal<'_> {
-    fn add(&mut self, row: usize, freedom: usize, _: f64) {
-        self.largest_mass[row] = self.largest_mass[row].max(self.mass[freedom]);
-    }
-}
-
-impl Normal<'_> {
-    /// The largest of them; zero where no equation touches anything.
-    pub(crate) fn size(
-        metric: &impl Metric,
-        constraint: &impl Constraint,
-        t: f64,
-        q: &[f64],
-    ) -> Result<f64, SizeError> {
-        let diagonal = Diagonal::of(metric);
-        let largest_mass = vec![0.0; constraint.count()];
-        let mut normal = Normal { mass: &diagonal.mass, largest_mass };
-        constraint.differential(t, q, &mut normal)?;
-        let touched = normal.largest_mass.iter().filter(|mass| **mass > 0.0);
-        Ok(touched.fold(0.0, |most: f64, mass| most.max(mass.recip())).sqrt())
     }
 }
 

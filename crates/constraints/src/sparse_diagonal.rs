@@ -142,6 +142,22 @@ impl DiagonalMultipliers {
         self.factor_at(constraint, t, q)
     }
 
+    /// Takes the masses of a metric, where they are not those that it has.
+    fn weigh_by(
+        &mut self,
+        metric: &impl Metric,
+        constraint: &impl Constraint,
+    ) -> Result<(), ConstraintError> {
+        SizeError::check("the metric's freedoms", self.inverse_mass.len(), metric.dim())?;
+        let own = Diagonal::refilled(std::mem::take(&mut self.velocity), metric);
+        let inverse = own.mass.iter().map(|mass| mass.recip());
+        if own.coupled.is_none() && !inverse.eq(self.inverse_mass.iter().copied()) {
+            self.weigh(&own.mass, constraint);
+        }
+        self.velocity = own.mass;
+        own.coupled.map_or(Ok(()), |freedom| Err(ConstraintError::Coupled { freedom }))
+    }
+
     /// Takes masses, and how large the entries of each row normally are.
     fn weigh(&mut self, masses: &[f64], constraint: &impl Constraint) {
         let DiagonalMultipliers { entries, inverse_mass, slopes, thresholds, .. } = self;
@@ -276,12 +292,13 @@ impl Multipliers for DiagonalMultipliers {
 
     fn prepare(
         &mut self,
-        _: &impl Metric,
+        metric: &impl Metric,
         constraint: &impl Constraint,
         t: f64,
         q: &[f64],
     ) -> Result<(), ConstraintError> {
         self.prepared = false;
+        self.weigh_by(metric, constraint)?;
         self.factor_at(constraint, t, q)
     }
 

@@ -21,7 +21,7 @@
 //! Source: errata conventions; `SparseIndefinite` of calculus, with the traps that it avoids.
 
 use stationary_calculus::{
-    Covector, Metric, Sink, SparseError, SparseIndefinite, SymmetricMatrix, Vector,
+    Covector, Metric, Sink, SizeError, SparseError, SparseIndefinite, SymmetricMatrix, Vector,
 };
 
 use crate::entries::Entries;
@@ -67,9 +67,19 @@ struct Scaling {
 }
 
 impl Scaling {
-    fn of(mass: &[f64], constraint: &impl Constraint, entries: &Entries) -> Self {
-        let freedoms: Vec<f64> = mass.iter().map(|mass| mass.sqrt().recip()).collect();
-        let mut equations = vec![0.0_f64; constraint.count()];
+    fn of(metric: &impl Metric, constraint: &impl Constraint, entries: &Entries) -> Self {
+        let (freedoms, equations) = (vec![0.0; metric.dim()], vec![0.0; constraint.count()]);
+        let mut scaling = Scaling { freedoms, equations, block: Vec::new() };
+        scaling.renew(metric, constraint, entries);
+        scaling
+    }
+
+    /// Takes the masses of a metric of as many freedoms.
+    fn renew(&mut self, metric: &impl Metric, constraint: &impl Constraint, entries: &Entries) {
+        let Scaling { freedoms, equations, .. } = self;
+        Diagonal::refilled(&mut freedoms[..], metric);
+        freedoms.iter_mut().for_each(|mass| *mass = mass.sqrt().recip());
+        equations.fill(0.0);
         for &(row, freedom) in entries.pattern.places.iter() {
             let largest = &mut equations[row as usize];
             *largest = largest.max(freedoms[freedom as usize]);
@@ -77,7 +87,6 @@ impl Scaling {
         for (row, factor) in equations.iter_mut().enumerate() {
             *factor = (constraint.scale(row).slope * *factor).recip();
         }
-        Scaling { freedoms, equations, block: Vec::new() }
     }
 
     /// Brings the blocks of the saddle matrix, scaled.
@@ -129,7 +138,7 @@ impl<C> Solver<C> for SparseGeneral {
         let (n, count) = (metric.dim(), constraint.count());
         check_entries(constraint, n, t, q)?;
         let entries = Entries::find(constraint, t, q)?;
-        let mut scaling = Scaling::of(&Diagonal::of(metric).mass, constraint, &entries);
+        let mut scaling = Scaling::of(metric, constraint, &entries);
         let matrix = SymmetricMatrix::analyse(n + count, |sink| {
             scaling.visit(metric, &entries, sink);
         })?;
@@ -193,8 +202,10 @@ impl Multipliers for GeneralMultipliers {
         q: &[f64],
     ) -> Result<(), ConstraintError> {
         self.prepared = false;
+        SizeError::check("the metric's freedoms", self.freedoms, metric.dim())?;
         self.entries.write(constraint, t, q)?;
         let GeneralMultipliers { entries, matrix, scaling, .. } = self;
+        scaling.renew(metric, constraint, entries);
         matrix.refill(|sink| scaling.visit(metric, entries, sink))?;
         match self.solver.factor(&self.matrix) {
             Ok(_) if self.solver.known_vector_error() <= DEPENDENT => {

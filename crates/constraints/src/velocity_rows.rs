@@ -53,11 +53,14 @@ impl RowLaw {
                     return;
                 }
                 // On the cone's side, or at its tip where the polar cone is nearer.
-                let along =
-                    (*normal + friction * tangential).max(0.0) / (1.0 + friction * friction);
-                *normal = along;
+                // In units of the longer of 1 and the coefficient: its square may be too large for a number.
+                let unit = friction.max(1.0);
+                let (height, slope) = (unit.recip(), friction / unit);
+                let along = (*normal * height + slope * tangential).max(0.0)
+                    / (height * height + slope * slope);
+                *normal = height * along;
                 // What pulls straight away has no tangents to shorten.
-                let share = if tangential > 0.0 { friction * along / tangential } else { 0.0 };
+                let share = if tangential > 0.0 { slope * along / tangential } else { 0.0 };
                 tangents.iter_mut().for_each(|t| *t *= share);
             }
         }
@@ -342,6 +345,18 @@ mod tests {
                 RowLaw::Cone(friction).nearest(&mut lambda);
                 assert_eq!(lambda, vec![0.0; rows], "{friction}");
             }
+        }
+    }
+
+    #[test]
+    fn a_cone_of_any_friction_coefficient_has_a_nearest_impulse() {
+        for friction in [1e100, 1e160, f64::MAX] {
+            // All but straight along the tangents, whatever pulls.
+            let mut lambda = [-3.0, 4.0, -3.0];
+            RowLaw::Cone(friction).nearest(&mut lambda);
+            let [normal, tangents @ ..] = lambda;
+            assert!((normal * friction / 5.0 - 1.0).abs() < 1e-14, "{friction:e}: {lambda:?}");
+            assert!((tangents[0] - 4.0).abs() < 1e-14 && (tangents[1] + 3.0).abs() < 1e-14);
         }
     }
 

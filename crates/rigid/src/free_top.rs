@@ -116,27 +116,23 @@ impl FreeTop {
     /// The orientation after `t` seconds.
     ///
     /// # Errors
-    /// Those of [`FreeTop::momentum`].
+    /// Those of [`FreeTop::momentum`], of the body's own turn as well.
     pub fn orientation(&self, t: f64) -> Result<Rotation, RigidError> {
         self.check_turn(t)?;
         Ok(match &self.motion {
             Motion::Steady => self.start.walk(self.body.angular_velocity(&self.momentum) * t),
             Motion::Tumbling(tumble) => {
-                tumble.orientation(t, length(&self.momentum), self.body.moments())
+                tumble.orientation(t, length(&self.momentum), self.body.moments())?
             }
         })
     }
 
     fn check_turn(&self, t: f64) -> Result<(), RigidError> {
         check_finite("the time", &[t])?;
-        let turn = match &self.motion {
+        check_phase(match &self.motion {
             Motion::Steady => self.body.angular_velocity(&self.momentum).norm() * t,
             Motion::Tumbling(tumble) => tumble.phase + tumble.rate * t,
-        };
-        match turn.abs() <= LONGEST_TURN {
-            true => Ok(()),
-            false => Err(RigidError::PhaseLost { radians: turn }),
-        }
+        })
     }
 
     /// The time after which the angular velocity comes back, seconds; `None` where it is steady or
@@ -154,6 +150,13 @@ impl FreeTop {
 
 /// Beyond it, radians, half a rounding is a hundredth of a radian.
 const LONGEST_TURN: f64 = 0.02 / f64::EPSILON;
+
+fn check_phase(radians: f64) -> Result<(), RigidError> {
+    match radians.abs() <= LONGEST_TURN {
+        true => Ok(()),
+        false => Err(RigidError::PhaseLost { radians }),
+    }
+}
 
 /// Axes in ascending order of their moments.
 fn ascending(moments: &Vector3<f64>) -> [usize; 3] {
@@ -263,12 +266,14 @@ impl Tumble {
         m
     }
 
-    fn orientation(&self, t: f64, length: f64, i: Vector3<f64>) -> Rotation {
+    fn orientation(&self, t: f64, length: f64, i: Vector3<f64>) -> Result<Rotation, RigidError> {
         let u = self.modulus.argument(self.phase + self.rate * t);
         let psi = self.precession(t, &u, length, &i);
+        // Where moments nearly agree the body turns far faster than its axis of rotation wanders.
+        check_phase(psi)?;
         let precession = Rotation::exp(Vector3::z() * psi);
         let now = to_momentum(&self.momentum(t), self.followed);
-        self.frame.compose(&precession).compose(&now).normalized()
+        Ok(self.frame.compose(&precession).compose(&now).normalized())
     }
 }
 

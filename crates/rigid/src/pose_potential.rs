@@ -34,7 +34,7 @@
 use std::marker::PhantomData;
 
 use stationary_calculus::{
-    Covector, Number, Potential, PotentialOn, Sink, Vector, array, directional_derivative,
+    Covector, Number, Potential, PotentialOn, Sink, Vector, array, atan2, directional_derivative,
     second_differential,
 };
 
@@ -74,7 +74,7 @@ impl<R: Number> PoseOf<R> {
         let vee = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]];
         let along = self.direction(n);
         let cosine = r[0][0] + r[1][1] + r[2][2] - dot(along, n);
-        dot(vee, n).atan2(cosine)
+        atan2(dot(vee, n), cosine)
     }
 }
 

@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! T = integral over a revolution of  sqrt(M(a) / 2 (E - V(a))) da
-//! a = top +- x,    x = pi / (1 + exp(-pi sinh t)),    t in equal steps
+//! a = end +- x,    x = l / (1 + exp(-pi sinh t)),    t in equal steps
 //! ```
 //! `a` the crank's angle, `M` its inertia (kg m^2), `V` the potential energy (J), `E` the energy: where E is
 //! above V all the way, the crank goes round in the time T. It is slow near the top of V, the slower the
-//! less E is above it, and there the angles of the sum lie close together. Its steps are halved until it
-//! stands. Source of the sum: Takahasi and Mori, Double exponential formulas for numerical integration
+//! less E is above it, and there the angles of the sum lie close together, as they do at angles where bars are
+//! told to turn fast: these are the ends, `2 l` apart. Its steps are halved until it stands. Source of the sum: Takahasi and Mori, Double exponential formulas for numerical integration
 //! (1974).
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use stationary_calculus::{Vector, directional_derivative};
 
@@ -28,13 +28,19 @@ const STANDS: f64 = 1e-9;
 const KNOWN: f64 = 1e-8;
 
 /// The time of a revolution, seconds, of a crank that passes `angle` at `rate` (rad/s), where `at` gives its
-/// inertia (kg m^2) and its potential energy (J) at an angle. `None` where it does not go round, or where it
+/// inertia (kg m^2) and its potential energy (J) at an angle. Beside the angles `sharp` (radians) both may change as
+/// fast as they will; elsewhere not within a hundredth of a turn. `None` where it does not go round, or where it
 /// has so little energy more than it needs that rounding leaves fewer than eight digits of the time.
-pub fn time_of_revolution(angle: f64, rate: f64, at: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+pub fn time_of_revolution(
+    angle: f64,
+    rate: f64,
+    sharp: &[f64],
+    at: impl Fn(f64) -> (f64, f64),
+) -> Option<f64> {
     let (inertia, potential) = at(angle);
     let kinetic = 0.5 * inertia * rate * rate;
     let energy = kinetic + potential;
-    let (top, highest) = top(|angle| at(angle).1)?;
+    let (top, highest) = top(|angle| at(angle).1, sharp)?;
     let rounding = 2.0 * f64::EPSILON * (kinetic + potential.abs() + highest.abs());
     // Written so that what is not a number does not go round.
     let goes_round = energy - highest > rounding;
@@ -48,10 +54,13 @@ pub fn time_of_revolution(angle: f64, rate: f64, at: impl Fn(f64) -> (f64, f64))
         let time = (inertia / (2.0 * above)).sqrt();
         [time, time * rounding / (2.0 * above)]
     };
+    let pairs = pairs(top, sharp);
     let summand = |t: f64| {
         let (x, weight) = distance(t);
-        let [ahead, behind] = [density(top + x), density(top - x)];
-        [0, 1].map(|k| (ahead[k] + behind[k]) * weight)
+        pairs.iter().fold([0.0; 2], |sum, &([from, to], part)| {
+            let [ahead, behind] = [density(from + part * x), density(to - part * x)];
+            [0, 1].map(|k| sum[k] + (ahead[k] + behind[k]) * (part * weight))
+        })
     };
     let mut step = STEP;
     let mut sums = sum(&summand, 0.0, step);
@@ -67,7 +76,16 @@ pub fn time_of_revolution(angle: f64, rate: f64, at: impl Fn(f64) -> (f64, f64))
     None
 }
 
-/// The distance x from the top that belongs to t, and its slope.
+/// Ends in turn around the circle from the top on, by pairs, with the part of half a turn to the middle between them.
+fn pairs(top: f64, sharp: &[f64]) -> Vec<([f64; 2], f64)> {
+    let beyond = |&end: &f64| (end, (end - top).rem_euclid(TAU));
+    let mut ends: Vec<(f64, f64)> = sharp.iter().map(beyond).collect();
+    ends.extend([(top, 0.0), (top, TAU)]);
+    ends.sort_by(|a, b| a.1.total_cmp(&b.1));
+    ends.windows(2).map(|two| ([two[0].0, two[1].0], (two[1].1 - two[0].1) / TAU)).collect()
+}
+
+/// The distance x from an end of half a turn that belongs to t, and its slope.
 fn distance(t: f64) -> (f64, f64) {
     let decay = (-PI * t.sinh()).exp();
     let x = PI / (1.0 + decay);
@@ -87,7 +105,7 @@ fn sum(summand: &impl Fn(f64) -> [f64; 2], shift: f64, step: f64) -> [f64; 2] {
 
 /// The time of a revolution of a crank between unit masses under unit gravity.
 pub(super) fn revolution(crank: &impl Embedding<1, 4>, angle: f64, rate: f64) -> Option<f64> {
-    time_of_revolution(angle, rate, |angle| {
+    time_of_revolution(angle, rate, &[], |angle| {
         let along: [f64; 4] = directional_derivative(|a| crank.places(a), [angle], Vector([1.0]));
         let places = crank.places([angle]);
         (along.iter().map(|v| v * v).sum(), places[1] + places[3])
@@ -103,7 +121,7 @@ mod tests {
     fn the_time_is_that_of_a_pendulum_that_goes_round_at_every_energy() {
         // A unit pendulum with V = 1 - cos a, pushed at the bottom: 2 K(2/v) 2/v.
         let period = |speed: f64| crate::problems::pendulum(speed).unwrap().period;
-        let time = |speed| time_of_revolution(0.0, speed, |a| (1.0, 1.0 - a.cos()));
+        let time = |speed| time_of_revolution(0.0, speed, &[], |a| (1.0, 1.0 - a.cos()));
         for above in [1e-5, 1e-4, 1e-2, 1.0, 10.0, 1e4] {
             let (found, right) = (time(2.0 + above).unwrap(), period(2.0 + above));
             assert!((found / right - 1.0).abs() < 1e-10, "{above}: {found} {right}");

@@ -1,29 +1,47 @@
-//! The highest point of a smooth periodic function: the largest of its maxima, each refined to rounding.
+//! The highest point of a periodic function that is smooth but for some angles: the largest of its maxima, each
+//! refined to rounding.
 
 use std::f64::consts::TAU;
 
 /// Angles between which a function has one maximum at most.
 const ANGLES: u32 = 512;
+/// How often the distance to a sharp angle is halved.
+const HALVINGS: i32 = 40;
 /// Steps of the golden section: each leaves 0.618 of two angles' distance, and the value is flat there.
 const STEPS: u32 = 45;
 /// What a step of the golden section leaves.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The angle of the highest value, and that value; `None` where no angle has one.
-pub(super) fn top(value: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+/// The angle of the highest value, and that value; `None` where no angle has one. Beside the angles `sharp` there may
+/// be maxima however narrow.
+pub(super) fn top(value: impl Fn(f64) -> f64, sharp: &[f64]) -> Option<(f64, f64)> {
     let step = TAU / f64::from(ANGLES);
     let at = |i: u32| value(step * f64::from(i % ANGLES));
     let (mut before, mut here) = (at(ANGLES - 1), at(0));
     let mut highest: Option<(f64, f64)> = None;
+    let mut look = |angle: f64, within: f64| {
+        let found = refined(&value, angle, within);
+        if highest.is_none_or(|(_, height)| found.1 > height) {
+            highest = Some(found);
+        }
+    };
     for i in 0..ANGLES {
         let after = at(i + 1);
         if here >= before && here >= after {
-            let found = refined(&value, step * f64::from(i), step);
-            if highest.is_none_or(|(_, height)| found.1 > height) {
-                highest = Some(found);
-            }
+            look(step * f64::from(i), step);
         }
         (before, here) = (here, after);
+    }
+    for end in sharp {
+        for way in [step, -step] {
+            let beside = |k: i32| end + way * 0.5_f64.powi(k);
+            for k in 0..HALVINGS {
+                let [outer, here, inner] = [k - 1, k, k + 1].map(|k| value(beside(k)));
+                if here >= outer && here >= inner {
+                    look(beside(k), (beside(k) - end).abs());
+                }
+            }
+        }
     }
     highest
 }
@@ -62,7 +80,7 @@ mod tests {
         for shift in [0.0, 0.003, 0.006, 1.234] {
             // Maxima of 1 + 1e-5 at `shift` and of 1 - 1e-5 half a turn on.
             let (angle, height) =
-                top(|a| (2.0 * (a - shift)).cos() + 1e-5 * (a - shift).cos()).unwrap();
+                top(|a| (2.0 * (a - shift)).cos() + 1e-5 * (a - shift).cos(), &[]).unwrap();
             assert!((height - 1.0 - 1e-5).abs() < 1e-15, "{shift}: {height}");
             assert!(((angle - shift).cos() - 1.0).abs() < 1e-12, "{shift}: {angle}");
         }
@@ -70,7 +88,7 @@ mod tests {
 
     #[test]
     fn what_has_no_value_has_no_top() {
-        assert_eq!(top(|_| f64::NAN), None);
-        assert!(top(|_| 1.0).is_some_and(|(_, height)| height == 1.0));
+        assert_eq!(top(|_| f64::NAN, &[]), None);
+        assert!(top(|_| 1.0, &[]).is_some_and(|(_, height)| height == 1.0));
     }
 }

@@ -179,6 +179,35 @@ fn a_metric_that_couples_needs_the_saddle_system() {
 }
 
 #[test]
+fn a_solver_takes_the_masses_of_the_metric_that_it_is_prepared_with() {
+    fn solves(choice: impl Solver<Vec<f64>>) {
+        let RodProblem { rods, initial, .. } = four_bar(1.0, 1.0).unwrap().problem;
+        let q = initial.q.to_vec();
+        let masses =
+            [[1.0; 4], [5.0, 5.0, 0.2, 0.2], [1e18, 1e18, 3e18, 3e18], [1e-18; 4], [2.0; 4]];
+        let metrics = masses.map(|masses| DiagonalMetric::new(masses.to_vec()).unwrap());
+        let mut kept = choice.analyse(&metrics[0], &rods, 0.0, &q).unwrap();
+        for metric in &metrics {
+            let mut own = choice.analyse(metric, &rods, 0.0, &q).unwrap();
+            let [found, expected] = [&mut kept, &mut own].map(|solver| {
+                let mut numbers = [0.3, -0.2, 0.5];
+                solver.prepare(metric, &rods, 0.0, &q).unwrap();
+                solver.solve(&mut numbers).unwrap();
+                numbers
+            });
+            let off = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() > 1e-12;
+            assert!(!found.iter().zip(&expected).any(off), "{found:?} {expected:?}");
+        }
+        let other = DiagonalMetric::new(vec![1.0; 6]).unwrap();
+        assert!(kept.prepare(&other, &rods, 0.0, &q).is_err());
+        assert_eq!(kept.solve(&mut [1.0; 3]), Err(ConstraintError::NotPrepared));
+    }
+    solves(Dense::<3>(REFUSE));
+    solves(SparseDiagonal(REFUSE));
+    solves(SparseGeneral);
+}
+
+#[test]
 fn the_work_of_a_chain_grows_with_its_links() {
     // Each link turns by up to a hundredth of a radian a step.
     let mut counts = Vec::new();

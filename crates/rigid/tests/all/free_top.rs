@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use stationary_rigid::{
     Body, BodyMethod, BodyMetric, BodyMotion, BodySpace, ExactRotation, Free, FreeRotation,
-    FreeTop, LieGroup, Orientations, RigidMotion, Rotation, problems::thrown_racket,
+    FreeTop, LieGroup, Orientations, RigidError, RigidMotion, Rotation, problems::thrown_racket,
 };
 
 const BOX: [f64; 3] = [0.1, 0.2, 0.3];
@@ -78,6 +78,21 @@ fn a_time_without_a_phase_is_refused() {
         for t in [1e16, f64::MAX] {
             assert_eq!(top.orientation(t).is_err(), w.norm() > 0.0, "{w} {t}");
         }
+    }
+}
+
+#[test]
+fn a_turn_far_longer_than_the_phase_of_the_angular_velocity_is_refused_as_well() {
+    // Nearly a ball: the axis of rotation wanders in the body a million times slower than that turns.
+    let body = Body::new(1.0, [1.0, 1.0 + 1e-6, 1.0 + 2.5e-6]).unwrap();
+    let top = FreeTop::new(body, Rotation::identity(), Vector3::new(0.3, 0.7, 0.4)).unwrap();
+    for t in [1e13, -1e13] {
+        assert!(top.orientation(t).is_ok());
+    }
+    for t in [2e14, -1e18] {
+        assert!(top.momentum(t).is_ok());
+        let refused = top.orientation(t);
+        assert!(matches!(refused, Err(RigidError::PhaseLost { .. })), "{t:e}: {refused:?}");
     }
 }
 

@@ -149,6 +149,22 @@ fn half_a_turn_and_reflections_have_no_matrix_logarithm() {
 }
 
 #[test]
+fn a_matrix_far_from_one_has_a_matrix_logarithm() {
+    for (one, other) in
+        [(90.0, 0.0), (-90.0, 1.0), (300.0, -300.0), (-600.0, -600.0), (690.0, 680.0)]
+    {
+        // A turn, and stretches by e^one and e^other.
+        let log = DMatrix::from_row_slice(
+            4,
+            4,
+            &[one, -1.5, 0.0, 0.0, 1.5, one, 0.0, 0.0, 0.0, 0.0, other, 0.7, 0.0, 0.0, 0.0, other],
+        );
+        let found = matrix_logarithm(&matrix_exponential(&log).unwrap()).unwrap();
+        assert!(close(&found, &log, 1e-11), "{one} {other}: {found}");
+    }
+}
+
+#[test]
 fn the_notes_series_for_the_logarithm_stops_converging_at_sixty_degrees() {
     let series = |degrees: f64| {
         let m = Rotation::exp(Vector3::z() * degrees.to_radians()).matrix();

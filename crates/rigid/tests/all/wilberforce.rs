@@ -51,3 +51,16 @@ fn a_wilberforce_pendulum_beats_as_its_two_modes_say() {
     let slope = loglog_slope(&points).unwrap();
     assert!((slope - 2.0).abs() < 0.05, "{slope} {points:?}");
 }
+
+#[test]
+fn beside_and_at_a_quarter_turn_about_a_tilted_axis_a_turn_has_derivatives() {
+    let potential = PosePotential::new(Poses, 1, [0], Wilberforce).unwrap();
+    let tilt = Rotation::exp(Vector3::new(0.3, -0.4, 0.0));
+    // A third of a turn about (1, 1, 1), and what leads up to it: a quarter about the third axis, tilted.
+    assert_derivatives_on(&Poses, &potential, &[0.1, 0.2, 0.3, 0.5, 0.5, 0.5, 0.5]);
+    for off in [1e-15, 1e-12, 1e-9] {
+        let turn = Rotation::exp(Vector3::z() * (std::f64::consts::FRAC_PI_2 + off));
+        let [w, x, y, z] = tilt.compose(&turn).quaternion();
+        assert_derivatives_on(&Poses, &potential, &[0.1, 0.2, 0.3, w, x, y, z]);
+    }
+}
