@@ -120,13 +120,14 @@ impl Ruler {
         // A single value, or values apart by rounding only, still need an extent to be seen in.
         let narrowest = match scale {
             Scale::Log => 0.3,
-            Scale::Linear => (1e-12 * low.abs().max(high.abs())).max(f64::MIN_POSITIVE * 1e16),
+            Scale::Linear => (1e-12 * low.abs().max(high.abs())).max(LEAST_EXTENT),
         };
         if high - low < narrowest {
             let middle = 0.5 * (low + high);
             let half = match scale {
                 Scale::Log => 0.5,
-                Scale::Linear if middle == 0.0 => 1.0,
+                // Numbers so small leave no room for steps between them: they are as good as zero.
+                Scale::Linear if middle.abs() < LEAST_EXTENT => 1.0,
                 Scale::Linear => 0.1 * middle.abs(),
             };
             (low, high) = (middle - half, middle + half);
@@ -169,7 +170,12 @@ impl Ruler {
 
     fn pixel(&self, measure: f64) -> f64 {
         let share = (measure - self.low) / (self.high - self.low);
-        (self.start + share * (self.end - self.start)).clamp(-1e5, 1e5)
+        (self.start + share * (self.end - self.start)).clamp(-FARTHEST, FARTHEST)
+    }
+
+    /// How far a value is from the start of the axis, in units (or decades) of it.
+    pub(crate) fn beyond_start(&self, value: f64) -> Option<f64> {
+        measure(self.scale, value).map(|measure| measure - self.low)
     }
 
     /// Pixels per unit (or decade).
@@ -177,6 +183,12 @@ impl Ruler {
         (self.end - self.start).abs() / (self.high - self.low)
     }
 }
+
+/// The least extent of an axis of equal differences: steps of a part of it are still normal numbers.
+const LEAST_EXTENT: f64 = 1e-290;
+
+/// Pixels beyond which a place is moved nearer. A line to there still has its direction, to a pixel.
+pub(crate) const FARTHEST: f64 = 1e12;
 
 /// Larger numbers leave no room for the arithmetic of an axis: they count as infinite.
 const LARGEST: f64 = 1e300;
@@ -211,6 +223,12 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
+    /// The same ticks so many pixels farther along.
+    pub(crate) fn moved(mut self, by: f64) -> Self {
+        self.ticks.iter_mut().for_each(|tick| tick.pixel += by);
+        self
+    }
+
     pub(crate) fn widest(&self) -> f64 {
         self.ticks.iter().filter_map(|t| t.label.as_ref()).map(Label::width).fold(0.0, f64::max)
     }
@@ -268,16 +286,24 @@ impl Ruler {
             (finest..finest + 9).flat_map(|e| [(e, 1.0), (e, 2.0), (e, 5.0)])
         {
             let step = mantissa * 10_f64.powi(exponent);
-            let first = (low / step).ceil();
-            let count = ((high / step).floor() - first) as usize + 1;
-            if !step.is_normal() || count > 60 || self.whole && step < 1.0 {
+            if !step.is_normal() || self.whole && step < 1.0 {
+                continue;
+            }
+            let (first, last) = ((low / step).ceil(), (high / step).floor());
+            if last < first {
+                // The axis is too short for two labels: one of the last that are within it is left.
+                ticks.truncate(1);
+                break;
+            }
+            let count = (last - first) as usize + 1;
+            if count > 60 {
                 continue;
             }
             let decimals = (left_out - exponent).clamp(0, 15) as usize;
             let values: Vec<f64> = (0..count).map(|i| (first + i as f64) * step).collect();
             let labels: Vec<Label> =
                 values.iter().map(|v| Label::plain(fixed(v / unit, decimals))).collect();
-            let fits = step * self.linear_density() >= along.room(&labels);
+            let fits = count == 1 || step * self.linear_density() >= along.room(&labels);
             ticks = values
                 .iter()
                 .zip(labels)

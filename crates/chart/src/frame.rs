@@ -77,6 +77,8 @@ pub(crate) struct Frame {
 }
 
 const FAILED: &str = "failed";
+/// A plot of equal scales may be this many times as tall as others.
+const TALLER: f64 = 1.25;
 /// Keeps the topmost tick label clear of the word beside the lane.
 const BELOW_LANE: f64 = 10.0;
 
@@ -86,23 +88,30 @@ impl Frame {
     pub(crate) fn draw(canvas: &mut Canvas, plan: Plan, lane: impl FnOnce(&Ruler) -> f64) -> Self {
         let width = plan.layout.width();
         let height = plan.layout.plot_height();
-        let rough = plan.y.over((height, 0.0)).ticks(Along::Vertical);
+        let tallest = match plan.aspect {
+            Aspect::Free => height,
+            Aspect::Equal => TALLER * height,
+        };
+        let rough = plan.y.over((tallest, 0.0)).ticks(Along::Vertical);
         let left = rough.widest().max(text_width(FAILED, TEXT)).max(28.0) + 12.0;
         let room = width - left - plan.right;
         let (room, height) = match plan.aspect {
             Aspect::Free => (room, height),
             Aspect::Equal => {
-                let scale = (room / plan.x.extent()).min(1.25 * height / plan.y.extent());
+                let scale = (room / plan.x.extent()).min(tallest / plan.y.extent());
                 (scale * plan.x.extent(), scale * plan.y.extent())
             }
         };
-        let heading = plan.axes.1.heading(rough.left_out, width - 8.0);
-        let top = draw_head(canvas, plan.title, &heading, width);
-        let plot = Rect { left, top, right: left + room, bottom: top + height };
-        let x = plan.x.over((plot.left, plot.right));
+        let x = plan.x.over((left, left + room));
         let lane = lane(&x);
         let clear = if lane > 0.0 { BELOW_LANE } else { 0.0 };
+        // The ticks, and the power of ten that they leave out, are those of what the lane leaves.
+        let y_ticks = plan.y.over((height - lane - clear, 0.0)).ticks(Along::Vertical);
+        let heading = plan.axes.1.heading(y_ticks.left_out, width - 8.0);
+        let top = draw_head(canvas, plan.title, &heading, width);
+        let plot = Rect { left, top, right: left + room, bottom: top + height };
         let y = plan.y.over((plot.bottom, plot.top + lane + clear));
+        let y_ticks = y_ticks.moved(plot.top + lane + clear);
         let data = Rect { top: plot.top + lane, ..plot };
         if lane > 0.0 {
             canvas.rect("lane", plot.left, plot.top, room, lane);
@@ -113,7 +122,6 @@ impl Frame {
             [] => x.ticks(Along::Horizontal),
             names => x.named_ticks(names),
         };
-        let y_ticks = y.ticks(Along::Vertical);
         draw_grid(canvas, &data, &x_ticks, &y_ticks, width);
         let mut below = plot.bottom + 22.0;
         for line in plan.axes.0.heading(x_ticks.left_out, width - 8.0) {
