@@ -204,6 +204,7 @@ pub(crate) fn draw_legend(
         if x > 0.0 && x + room - 14.0 > width {
             (x, y) = (0.0, y + 22.0);
         }
+        let mut last = y;
         canvas.group(&entry.class, |canvas| {
             let middle = y - 4.5;
             match &entry.swatch {
@@ -227,9 +228,20 @@ pub(crate) fn draw_legend(
                     canvas.path("hatch", &hatching(*place, &[Rect { left, top, right, bottom }]));
                 }
             }
-            canvas.label("name", (x + 32.0, y), Anchor::Start, &Label::plain(entry.text.clone()));
+            last = draw_words(canvas, &entry.text, (x + 32.0, y), width);
         });
-        x += room;
+        // Beside a name of several lines there is none.
+        (x, y) = if last > y { (width, last) } else { (x + room, y) };
     }
     y + 10.0
+}
+
+/// Draws words on as many lines as the width asks for, and says where the last one stands.
+pub(crate) fn draw_words(canvas: &mut Canvas, text: &str, (x, top): (f64, f64), width: f64) -> f64 {
+    let mut baseline = top;
+    for (k, line) in wrapped(text, width - x, TEXT).into_iter().enumerate() {
+        baseline = top + k as f64 * LINE;
+        canvas.label("name", (x, baseline), Anchor::Start, &Label::plain(line));
+    }
+    baseline
 }

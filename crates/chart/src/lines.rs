@@ -4,7 +4,7 @@ use crate::axis::{Axis, FARTHEST, Place, Ruler, Scale, is_number};
 use crate::canvas::{Anchor, Canvas};
 use crate::chart::Drawing;
 use crate::error::ChartError;
-use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend, draw_words};
 use crate::label::{Label, TEXT, significant, text_width};
 use crate::pareto::pareto;
 use crate::path::polyline;
@@ -201,7 +201,7 @@ impl Lines {
         {
             draw_along(&mut canvas, &mut crowd, &page, text, path);
         }
-        let below = judgement.draw_choice(&mut canvas, &mut crowd, &frame, below);
+        let below = judgement.draw_choice(&mut canvas, &mut crowd, &frame, (below, layout.width()));
         if traces.iter().all(Trace::is_empty) && guides.iter().all(|(_, path)| path.is_empty()) {
             let middle = |a: f64, b: f64| 0.5 * (a + b);
             let at = (
@@ -341,7 +341,7 @@ impl Judgement {
         canvas: &mut Canvas,
         crowd: &mut Crowd,
         frame: &Frame,
-        below: f64,
+        (below, width): (f64, f64),
     ) -> f64 {
         if let Some((tolerance, y)) = self.tolerance.and_then(|t| Some((t, frame.y.at(t)?))) {
             let path = [(frame.plot.left, y), (frame.plot.right, y)];
@@ -352,9 +352,7 @@ impl Judgement {
         let (Some(x), Some(y)) = (frame.x.at(*x), frame.y.at(*y)) else { return below };
         canvas.circle("choice", (x, y), 9.0);
         canvas.circle("choice", (13.0, below + 9.5), 7.0);
-        let words = Label::plain(format!("chosen: {words}"));
-        canvas.label("name", (32.0, below + 14.0), Anchor::Start, &words);
-        below + 24.0
+        draw_words(canvas, &format!("chosen: {words}"), (32.0, below + 14.0), width) + 10.0
     }
 }
 

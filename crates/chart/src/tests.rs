@@ -340,3 +340,30 @@ fn the_heading_has_the_power_of_ten_that_the_ticks_below_many_failures_leave_out
     assert!(narrow.contains(">50</text>"), "{narrow}");
     assert!(narrow.contains(r#"error [10<tspan class="sup" dy="-5">−9<"#), "{narrow}");
 }
+
+#[test]
+fn names_of_any_number_of_words_stay_within_the_chart() {
+    let [x, y] = axes(Scale::Log);
+    let long =
+        "a method whose name says all that there is to say of it, and somewhat more than that";
+    let mut lines = Lines::new("", x.clone(), y.clone());
+    let mut ladder = Ladder::new("", x, y, 1e-3).choose(0);
+    for name in [long, "short", "of the fourth order, with an error estimate of the third one"] {
+        lines = lines.with(Series::new(name, [(1.0, 1.0), (2.0, 0.5)]));
+        ladder = ladder.rung(name, "step = 0.001 s, tolerance = 1e-9", 1.0, Judged::Error(1e-4));
+    }
+    for svg in [Chart::from(lines), Chart::from(ladder)].iter().flat_map(draw) {
+        let number = |text: &str, before: &str| -> f64 {
+            let rest = text.split(before).nth(1).unwrap();
+            rest.split(['"', ' ']).next().unwrap().parse().unwrap()
+        };
+        let (width, height) = (number(&svg, "viewBox=\"0 0 "), number(&svg, "height=\""));
+        let names: Vec<&str> = svg.split("<text class=\"name\"").skip(1).collect();
+        assert!(names.len() >= 3);
+        for name in names {
+            let words = name.split(['>', '<']).nth(1).unwrap();
+            let right = number(name, "x=\"") + crate::label::text_width(words, crate::label::TEXT);
+            assert!(right <= width && number(name, "y=\"") <= height, "{words} {right}");
+        }
+    }
+}
