@@ -153,8 +153,9 @@ fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks, width: f64)
         if let Some(label) = &tick.label {
             canvas.line("grid", (tick.pixel, plot.top), (tick.pixel, plot.bottom));
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 6.0));
-            // A wide label at the end of the axis would leave the chart.
-            let middle = tick.pixel.min(width - 0.5 * label.width() - 2.0);
+            // A wide label at an end of the axis would leave the chart.
+            let half = 0.5 * label.width() + 2.0;
+            let middle = tick.pixel.min(width - half).max(half);
             canvas.label("tl", (middle, plot.bottom + 20.0), Anchor::Middle, label);
         } else {
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 3.0));

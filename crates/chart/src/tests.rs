@@ -367,3 +367,19 @@ fn names_of_any_number_of_words_stay_within_the_chart() {
         }
     }
 }
+
+#[test]
+fn a_wide_label_of_a_slim_plot_stays_within_the_chart() {
+    let [x, y] = axes(Scale::Linear);
+    let slim = [(55.07382737742, 0.0), (55.0738273775, 1.0)];
+    for svg in draw(&Portrait::new("", x, y).curve(Series::new("c", slim)).into()) {
+        let labels: Vec<&str> = svg.split("<text class=\"tl mid\" x=\"").skip(1).collect();
+        assert!(!labels.is_empty());
+        for label in labels {
+            let (place, rest) = label.split_once('"').unwrap();
+            let words = rest.split(['>', '<']).nth(1).unwrap();
+            let half = 0.5 * crate::label::text_width(words, crate::label::TEXT);
+            assert!(place.parse::<f64>().unwrap() >= half, "{words} at {place}");
+        }
+    }
+}
