@@ -77,6 +77,8 @@ pub(crate) struct Frame {
 }
 
 const FAILED: &str = "failed";
+/// A plot of equal scales may be this many times as tall as others.
+const TALLER: f64 = 1.25;
 /// Keeps the topmost tick label clear of the word beside the lane.
 const BELOW_LANE: f64 = 10.0;
 
@@ -86,23 +88,30 @@ impl Frame {
     pub(crate) fn draw(canvas: &mut Canvas, plan: Plan, lane: impl FnOnce(&Ruler) -> f64) -> Self {
         let width = plan.layout.width();
         let height = plan.layout.plot_height();
-        let rough = plan.y.over((height, 0.0)).ticks(Along::Vertical);
+        let tallest = match plan.aspect {
+            Aspect::Free => height,
+            Aspect::Equal => TALLER * height,
+        };
+        let rough = plan.y.over((tallest, 0.0)).ticks(Along::Vertical);
         let left = rough.widest().max(text_width(FAILED, TEXT)).max(28.0) + 12.0;
         let room = width - left - plan.right;
         let (room, height) = match plan.aspect {
             Aspect::Free => (room, height),
             Aspect::Equal => {
-                let scale = (room / plan.x.extent()).min(1.25 * height / plan.y.extent());
+                let scale = (room / plan.x.extent()).min(tallest / plan.y.extent());
                 (scale * plan.x.extent(), scale * plan.y.extent())
             }
         };
-        let heading = plan.axes.1.heading(rough.left_out, width - 8.0);
-        let top = draw_head(canvas, plan.title, &heading, width);
-        let plot = Rect { left, top, right: left + room, bottom: top + height };
-        let x = plan.x.over((plot.left, plot.right));
+        let x = plan.x.over((left, left + room));
         let lane = lane(&x);
         let clear = if lane > 0.0 { BELOW_LANE } else { 0.0 };
+        // The ticks, and the power of ten that they leave out, are those of what the lane leaves.
+        let y_ticks = plan.y.over((height - lane - clear, 0.0)).ticks(Along::Vertical);
+        let heading = plan.axes.1.heading(y_ticks.left_out, width - 8.0);
+        let top = draw_head(canvas, plan.title, &heading, width);
+        let plot = Rect { left, top, right: left + room, bottom: top + height };
         let y = plan.y.over((plot.bottom, plot.top + lane + clear));
+        let y_ticks = y_ticks.moved(plot.top + lane + clear);
         let data = Rect { top: plot.top + lane, ..plot };
         if lane > 0.0 {
             canvas.rect("lane", plot.left, plot.top, room, lane);
@@ -113,7 +122,6 @@ impl Frame {
             [] => x.ticks(Along::Horizontal),
             names => x.named_ticks(names),
         };
-        let y_ticks = y.ticks(Along::Vertical);
         draw_grid(canvas, &data, &x_ticks, &y_ticks, width);
         let mut below = plot.bottom + 22.0;
         for line in plan.axes.0.heading(x_ticks.left_out, width - 8.0) {
@@ -145,8 +153,9 @@ fn draw_grid(canvas: &mut Canvas, plot: &Rect, x: &Ticks, y: &Ticks, width: f64)
         if let Some(label) = &tick.label {
             canvas.line("grid", (tick.pixel, plot.top), (tick.pixel, plot.bottom));
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 6.0));
-            // A wide label at the end of the axis would leave the chart.
-            let middle = tick.pixel.min(width - 0.5 * label.width() - 2.0);
+            // A wide label at an end of the axis would leave the chart.
+            let half = 0.5 * label.width() + 2.0;
+            let middle = tick.pixel.min(width - half).max(half);
             canvas.label("tl", (middle, plot.bottom + 20.0), Anchor::Middle, label);
         } else {
             canvas.line("tick", (tick.pixel, plot.bottom), (tick.pixel, plot.bottom + 3.0));
@@ -196,6 +205,7 @@ pub(crate) fn draw_legend(
         if x > 0.0 && x + room - 14.0 > width {
             (x, y) = (0.0, y + 22.0);
         }
+        let mut last = y;
         canvas.group(&entry.class, |canvas| {
             let middle = y - 4.5;
             match &entry.swatch {
@@ -219,9 +229,20 @@ pub(crate) fn draw_legend(
                     canvas.path("hatch", &hatching(*place, &[Rect { left, top, right, bottom }]));
                 }
             }
-            canvas.label("name", (x + 32.0, y), Anchor::Start, &Label::plain(entry.text.clone()));
+            last = draw_words(canvas, &entry.text, (x + 32.0, y), width);
         });
-        x += room;
+        // Beside a name of several lines there is none.
+        (x, y) = if last > y { (width, last) } else { (x + room, y) };
     }
     y + 10.0
+}
+
+/// Draws words on as many lines as the width asks for, and says where the last one stands.
+pub(crate) fn draw_words(canvas: &mut Canvas, text: &str, (x, top): (f64, f64), width: f64) -> f64 {
+    let mut baseline = top;
+    for (k, line) in wrapped(text, width - x, TEXT).into_iter().enumerate() {
+        baseline = top + k as f64 * LINE;
+        canvas.label("name", (x, baseline), Anchor::Start, &Label::plain(line));
+    }
+    baseline
 }

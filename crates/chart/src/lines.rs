@@ -1,10 +1,10 @@
 //! Curves and points over two axes, with reference slopes, failures and the Pareto front.
 
-use crate::axis::{Axis, Place, Ruler, Scale};
+use crate::axis::{Axis, FARTHEST, Place, Ruler, Scale, is_number};
 use crate::canvas::{Anchor, Canvas};
 use crate::chart::Drawing;
 use crate::error::ChartError;
-use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend};
+use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend, draw_words};
 use crate::label::{Label, TEXT, significant, text_width};
 use crate::pareto::pareto;
 use crate::path::polyline;
@@ -201,7 +201,7 @@ impl Lines {
         {
             draw_along(&mut canvas, &mut crowd, &page, text, path);
         }
-        let below = judgement.draw_choice(&mut canvas, &mut crowd, &frame, below);
+        let below = judgement.draw_choice(&mut canvas, &mut crowd, &frame, (below, layout.width()));
         if traces.iter().all(Trace::is_empty) && guides.iter().all(|(_, path)| path.is_empty()) {
             let middle = |a: f64, b: f64| 0.5 * (a + b);
             let at = (
@@ -225,8 +225,10 @@ impl Lines {
     }
 
     fn extent(&self, scale: Scale, of: impl Fn((f64, f64)) -> f64, more: Vec<f64>) -> Ruler {
-        let shown = self.series.iter().flat_map(|s| s.shown(self.x.scale, self.y.scale));
-        Ruler::covering(scale, shown.map(of).chain(more), 0.045, (0.0, 1.0))
+        // Zero and less on the other axis is drawn at its edge, and needs a place on this one.
+        let drawn = |p: &(f64, f64)| is_number(p.0) && is_number(p.1);
+        let points = self.series.iter().flat_map(|s| s.points.iter().copied().filter(drawn));
+        Ruler::covering(scale, points.map(of).chain(more), 0.045, (0.0, 1.0))
     }
 
     fn failed_at(&self) -> Vec<f64> {
@@ -339,7 +341,7 @@ impl Judgement {
         canvas: &mut Canvas,
         crowd: &mut Crowd,
         frame: &Frame,
-        below: f64,
+        (below, width): (f64, f64),
     ) -> f64 {
         if let Some((tolerance, y)) = self.tolerance.and_then(|t| Some((t, frame.y.at(t)?))) {
             let path = [(frame.plot.left, y), (frame.plot.right, y)];
@@ -350,9 +352,7 @@ impl Judgement {
         let (Some(x), Some(y)) = (frame.x.at(*x), frame.y.at(*y)) else { return below };
         canvas.circle("choice", (x, y), 9.0);
         canvas.circle("choice", (13.0, below + 9.5), 7.0);
-        let words = Label::plain(format!("chosen: {words}"));
-        canvas.label("name", (32.0, below + 14.0), Anchor::Start, &words);
-        below + 24.0
+        draw_words(canvas, &format!("chosen: {words}"), (32.0, below + 14.0), width) + 10.0
     }
 }
 
@@ -493,12 +493,17 @@ fn along(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// The straight line of a slope, from one side of the plot to the other.
 fn slope_path(frame: &Frame, slope: f64, through: (f64, f64)) -> Vec<(f64, f64)> {
-    let (Some(x), Some(y)) = (frame.x.at(through.0), frame.y.at(through.1)) else {
+    let (Some(x), Some(y)) = (frame.x.beyond_start(through.0), frame.y.beyond_start(through.1))
+    else {
         return Vec::new();
     };
-    let fall = slope * frame.y.density() / frame.x.density();
-    let at = |side: f64| (side, y - fall * (side - x));
-    vec![at(frame.plot.left), at(frame.plot.right)]
+    // As the axes measure, not in pixels: the point may be very many of them away.
+    let at = |along: f64, side: f64| {
+        let height = frame.y.density() * (y + slope * (along - x));
+        (side, frame.y.start() - height.clamp(-FARTHEST, FARTHEST))
+    };
+    let ends = vec![at(0.0, frame.plot.left), at(frame.x.extent(), frame.plot.right)];
+    if ends.iter().any(|end| end.1.is_nan()) { Vec::new() } else { ends }
 }
 
 /// Crosses at the top of the plot, in rows so that none hides another.

@@ -3,7 +3,7 @@
 //! Neighbouring cells of one outcome are drawn as one rectangle: a page of maps with thousands of
 //! cells each would take seconds to open.
 
-use crate::axis::{Axis, Ruler, Scale, measure};
+use crate::axis::{Axis, LEAST_EXTENT, Ruler, Scale, measure};
 use crate::canvas::{Anchor, Canvas, number};
 use crate::chart::Drawing;
 use crate::error::ChartError;
@@ -296,6 +296,11 @@ fn cell_path(Rect { left, top, right, bottom }: Rect) -> String {
     format!("M{} {}h{w}v{h}h-{w}z", number(left), number(top))
 }
 
+/// Half the width of a cell that has no neighbours along a linear axis: a part of its value, to be seen there.
+fn half_of_the_only(value: f64) -> f64 {
+    if value.abs() < LEAST_EXTENT { 0.5 } else { 0.5 * value.abs() }
+}
+
 /// Borders between neighbouring values of an axis, halfway as the axis measures.
 struct Edges {
     scale: Scale,
@@ -312,8 +317,9 @@ impl Edges {
         let mut edges: Vec<f64> = middles.collect();
         if let (Some(&first), Some(&last)) = (values.first(), values.last()) {
             // The outermost cells are as wide beyond their value as before it.
-            let before = edges.first().map_or(first - 0.5, |&edge| 2.0 * first - edge);
-            let after = edges.last().map_or(last + 0.5, |&edge| 2.0 * last - edge);
+            let half = if scale == Scale::Log { 0.5 } else { half_of_the_only(first) };
+            let before = edges.first().map_or(first - half, |&edge| 2.0 * first - edge);
+            let after = edges.last().map_or(last + half, |&edge| 2.0 * last - edge);
             edges.insert(0, before);
             edges.push(after);
         }
@@ -361,6 +367,17 @@ mod tests {
         assert!((low - 10_f64.sqrt()).abs() < 1e-12 && (high - 1000_f64.sqrt()).abs() < 1e-10);
         assert_eq!(edges.index(0.0), None);
         assert_eq!(edges.index(f64::NAN), None);
+    }
+
+    #[test]
+    fn a_cell_without_neighbours_is_seen_at_any_value() {
+        for value in [0.0, 3.0, -1e-9, 1e20, 1e-312, -5e299] {
+            let edges = Edges::between(Scale::Linear, [value].into_iter());
+            let ruler = edges.ruler().over((0.0, 300.0));
+            let [low, high] = edges.ends([0, 0]).map(|edge| ruler.at(edge).unwrap());
+            assert!(high - low > 200.0, "{value}: {low} to {high}");
+            assert!((ruler.at(value).unwrap() - 150.0).abs() < 1.0, "{value}");
+        }
     }
 
     #[test]

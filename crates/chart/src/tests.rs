@@ -241,3 +241,145 @@ fn a_point_says_its_name_and_its_numbers_with_units() {
         .into();
     assert!(draw(&chart)[0].contains("<title>verlet\nstep: 0.125 s\nerror: 1.25e-7 m</title>"));
 }
+
+/// The numbers of each path of a class.
+fn paths(svg: &str, class: &str) -> Vec<Vec<f64>> {
+    let begin = format!("class=\"{class}\" d=\"");
+    let data = svg.split(&begin).skip(1).filter_map(|rest| rest.split('"').next());
+    data.map(|d| d.split(['M', 'L', ' ']).filter_map(|word| word.parse().ok()).collect()).collect()
+}
+
+#[test]
+fn ticks_are_within_their_axis_however_short_it_is() {
+    for k in 0..60 {
+        let (offset, slim) = (0.37 * 1.9_f64.powi(k), 10_f64.powi(-(k % 5)));
+        let [x, y] = axes(Scale::Linear);
+        let corners = [(offset, offset), (offset * (1.0 + slim), 2.0 * offset)];
+        let [x_turned, y_turned] = axes(Scale::Linear);
+        let turned = corners.map(|(x, y)| (y, x));
+        for chart in [
+            Portrait::new("", x, y).curve(Series::new("c", corners)),
+            Portrait::new("", x_turned, y_turned).curve(Series::new("c", turned)),
+        ] {
+            for svg in draw(&chart.into()) {
+                let axis = &paths(&svg, "axis")[0];
+                let [left, top, _, bottom, right, _] = axis[..] else { panic!("{axis:?}") };
+                let grid = paths(&svg, "grid");
+                assert!(grid.iter().any(|line| line[0] == line[2]), "no tick along x: {svg}");
+                assert!(grid.iter().any(|line| line[1] == line[3]), "no tick along y: {svg}");
+                for line in &grid {
+                    let (across, down) = (line[0].max(line[2]), line[1].max(line[3]));
+                    let within = left - 0.1 <= line[0] && across <= right + 0.1;
+                    assert!(within && top - 0.1 <= line[1] && down <= bottom + 0.1, "{line:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_among_the_least_numbers_is_drawn_as_zero() {
+    for size in [1e-312, 5e-324, 1e-300] {
+        let [x, y] = axes(Scale::Linear);
+        let field = [((size, size), (1.0, 0.0)), ((3.0 * size, 2.0 * size), (0.0, 1.0))];
+        let mut map = Map::new("", x.clone(), y.clone(), ["stable", "lost"]);
+        map.cell(size, size, "stable");
+        map.cell(2.0 * size, 3.0 * size, "lost");
+        let charts = [Portrait::new("", x, y).field(field).into(), Chart::from(map)];
+        for svg in charts.iter().flat_map(draw) {
+            assert!(svg.contains(r#"height="#) && !svg.contains(">inf<"), "{svg}");
+            let axis = &paths(&svg, "axis")[0];
+            assert!(axis[3] - axis[1] > 100.0 && svg.contains(">0.5</text>"), "{size} {svg}");
+        }
+    }
+}
+
+#[test]
+fn a_point_that_is_zero_on_one_axis_has_its_place_on_the_other() {
+    let [x, y] = axes(Scale::Log);
+    let points = [(1.0, 1.0), (2.0, 0.5), (100.0, 0.0)];
+    let lines = Lines::new("", x.clone(), y.clone()).with(Series::new("a", points));
+    let turned = Lines::new("", x, y).with(Series::new("a", points.map(|(x, y)| (y, x))));
+    for svg in [lines, turned].map(Chart::from).iter().flat_map(draw) {
+        let axis = &paths(&svg, "axis")[0];
+        let place =
+            svg.split("transform=\"translate(").find(|part| part.contains("beyond the axis"));
+        let place: Vec<f64> =
+            place.unwrap().split([' ', ')']).take(2).map(|word| word.parse().unwrap()).collect();
+        assert!(axis[0] <= place[0] && place[0] <= axis[4], "{place:?} {axis:?}");
+        assert!(axis[1] <= place[1] && place[1] <= axis[3], "{place:?} {axis:?}");
+    }
+}
+
+#[test]
+fn a_prediction_is_the_same_line_whichever_of_its_points_is_given() {
+    let [x, y] = axes(Scale::Linear);
+    let lines = || {
+        let series = Series::new("a", [(0.0, 0.0), (1.0, 1.0)]);
+        Lines::new("", x.clone(), y.clone()).with(series)
+    };
+    let guide = |lines: Lines| paths(&Chart::from(lines).file("").unwrap(), "guide")[0].clone();
+    let at = |slope: f64, x: f64| (x, 0.25 + slope * x);
+    for (slope, far) in [(2.0, 1e3), (2.0, 1e6), (0.5, 1e9), (-1.0, 1e5), (1.0, -1e7)] {
+        let near = guide(lines().slope(slope, at(slope, 0.0)));
+        assert_eq!(guide(lines().slope(slope, at(slope, far))), near, "{slope} {far}");
+        let curve = |far: f64| guide(lines().curve("", [at(slope, 0.0), at(slope, far)]));
+        assert_eq!(curve(far), curve(10.0_f64.copysign(far)), "{slope} {far}");
+    }
+}
+
+#[test]
+fn the_heading_has_the_power_of_ten_that_the_ticks_below_many_failures_leave_out() {
+    let [_, y] = axes(Scale::Log);
+    let mut series = Series::new("a", [(1.0, 1.4e-9), (2.0, 5e-9), (3.0, 7.5e-8)]);
+    for _ in 0..8 {
+        series = series.failed(2.0, "why");
+    }
+    let chart = Chart::from(Lines::new("", Axis::linear("step", "s"), y).with(series));
+    let [_, narrow] = &draw(&chart)[..] else { panic!() };
+    assert!(narrow.contains(">50</text>"), "{narrow}");
+    assert!(narrow.contains(r#"error [10<tspan class="sup" dy="-5">−9<"#), "{narrow}");
+}
+
+#[test]
+fn names_of_any_number_of_words_stay_within_the_chart() {
+    let [x, y] = axes(Scale::Log);
+    let long =
+        "a method whose name says all that there is to say of it, and somewhat more than that";
+    let mut lines = Lines::new("", x.clone(), y.clone());
+    let mut ladder = Ladder::new("", x, y, 1e-3).choose(0);
+    for name in [long, "short", "of the fourth order, with an error estimate of the third one"] {
+        lines = lines.with(Series::new(name, [(1.0, 1.0), (2.0, 0.5)]));
+        ladder = ladder.rung(name, "step = 0.001 s, tolerance = 1e-9", 1.0, Judged::Error(1e-4));
+    }
+    for svg in [Chart::from(lines), Chart::from(ladder)].iter().flat_map(draw) {
+        let number = |text: &str, before: &str| -> f64 {
+            let rest = text.split(before).nth(1).unwrap();
+            rest.split(['"', ' ']).next().unwrap().parse().unwrap()
+        };
+        let (width, height) = (number(&svg, "viewBox=\"0 0 "), number(&svg, "height=\""));
+        let names: Vec<&str> = svg.split("<text class=\"name\"").skip(1).collect();
+        assert!(names.len() >= 3);
+        for name in names {
+            let words = name.split(['>', '<']).nth(1).unwrap();
+            let right = number(name, "x=\"") + crate::label::text_width(words, crate::label::TEXT);
+            assert!(right <= width && number(name, "y=\"") <= height, "{words} {right}");
+        }
+    }
+}
+
+#[test]
+fn a_wide_label_of_a_slim_plot_stays_within_the_chart() {
+    let [x, y] = axes(Scale::Linear);
+    let slim = [(55.07382737742, 0.0), (55.0738273775, 1.0)];
+    for svg in draw(&Portrait::new("", x, y).curve(Series::new("c", slim)).into()) {
+        let labels: Vec<&str> = svg.split("<text class=\"tl mid\" x=\"").skip(1).collect();
+        assert!(!labels.is_empty());
+        for label in labels {
+            let (place, rest) = label.split_once('"').unwrap();
+            let words = rest.split(['>', '<']).nth(1).unwrap();
+            let half = 0.5 * crate::label::text_width(words, crate::label::TEXT);
+            assert!(place.parse::<f64>().unwrap() >= half, "{words} at {place}");
+        }
+    }
+}

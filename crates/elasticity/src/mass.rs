@@ -16,7 +16,7 @@
 //! not here.
 
 use stationary_calculus::{DiagonalMetric, FIXED, Sink, SparseMetric, SymmetricMatrix};
-use stationary_mesh::Places;
+use stationary_mesh::{MeshError, Places};
 
 use crate::shape::{Point, visit_points};
 use crate::{ElasticityError, Elements, Freedoms, Reference};
@@ -26,8 +26,8 @@ use crate::{ElasticityError, Elements, Freedoms, Reference};
 /// # Errors
 /// [`ElasticityError::Vertices`] for a numbering of another mesh; [`ElasticityError::Density`] and
 /// [`ElasticityError::Section`] unless they are positive and finite; [`ElasticityError::Massless`];
-/// [`ElasticityError::Mesh`] for elements that are flat or inside out; [`ElasticityError::Sparse`]
-/// for a matrix that cannot be factored.
+/// [`ElasticityError::Mesh`] for elements that are flat, inside out or name a node twice;
+/// [`ElasticityError::Sparse`] for a matrix that cannot be factored.
 pub fn galerkin_mass<
     F,
     const N: usize,
@@ -67,8 +67,8 @@ where
 /// # Errors
 /// [`ElasticityError::Vertices`] for a numbering of another mesh; [`ElasticityError::Density`] and
 /// [`ElasticityError::Section`] unless they are positive and finite; [`ElasticityError::Massless`];
-/// [`ElasticityError::Mesh`] for elements that are flat or inside out; [`ElasticityError::Metric`]
-/// where a lumped mass overflows or vanishes.
+/// [`ElasticityError::Mesh`] for elements that are flat, inside out or name a node twice;
+/// [`ElasticityError::Metric`] where a lumped mass overflows or vanishes.
 pub fn lumped_mass<
     F,
     const N: usize,
@@ -126,6 +126,12 @@ where
     }
     if !(section > 0.0 && section.is_finite()) {
         return Err(ElasticityError::Section(section));
+    }
+    let repeats = |e: &[usize; N]| (1..N).any(|k| e[..k].contains(&e[k]));
+    let numbered = mesh.elements().iter().enumerate();
+    let repeated: Vec<usize> = numbered.filter(|(_, e)| repeats(e)).map(|(e, _)| e).collect();
+    if !repeated.is_empty() {
+        return Err(MeshError::RepeatedVertex(Places(repeated)).into());
     }
     let mut named = vec![false; mesh.count()];
     mesh.elements().iter().flatten().for_each(|&node| named[node] = true);

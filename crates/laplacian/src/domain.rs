@@ -14,6 +14,8 @@ use stationary_calculus::{
     SymmetricMatrix, UnknownVertex, Vector,
 };
 
+use stationary_mesh::{MeshError, Places};
+
 use crate::error::check_finite;
 use crate::{Element, Elements, LaplacianError};
 
@@ -124,8 +126,10 @@ impl<const K: usize> Domain<K> {
     /// The mass with each simplex shared out to its corners.
     ///
     /// # Errors
-    /// None for elements of a mesh.
+    /// None for elements of a mesh; [`MeshError::RepeatedVertex`] for elements of a surface that name a
+    /// vertex twice.
     pub fn lumped(&self) -> Result<DiagonalMetric<Vec<f64>>, LaplacianError> {
+        self.check_corners()?;
         let mut mass = vec![0.0; self.dim()];
         for element in self.dirichlet.stencils() {
             for &place in &element.vertices {
@@ -140,8 +144,10 @@ impl<const K: usize> Domain<K> {
     /// The mass that integrates products of piecewise linear functions exactly.
     ///
     /// # Errors
-    /// Where it is too large for 32-bit places, and for an element that names a vertex twice.
+    /// [`MeshError::RepeatedVertex`] as of [`Domain::lumped`], and [`LaplacianError::Sparse`] where it is too
+    /// large for 32-bit places.
     pub fn galerkin(&self) -> Result<SparseMetric, LaplacianError> {
+        self.check_corners()?;
         let n = self.dim();
         let blocks: Vec<([usize; K], Vec<f64>)> = self
             .dirichlet
@@ -155,6 +161,16 @@ impl<const K: usize> Domain<K> {
             })
             .collect();
         Ok(SparseMetric::new(SymmetricMatrix::from_blocks(n, &blocks)?)?)
+    }
+
+    /// An error that lists the elements that name a vertex twice: neither mass is for them, as no sparse
+    /// matrix takes them.
+    fn check_corners(&self) -> Result<(), LaplacianError> {
+        let repeats = |e: &Element<K>| (1..K).any(|k| e.vertices[..k].contains(&e.vertices[k]));
+        let numbered = self.dirichlet.stencils().iter().enumerate();
+        let bad: Vec<usize> =
+            numbered.filter(|(_, e)| repeats(e)).map(|(number, _)| number).collect();
+        if bad.is_empty() { Ok(()) } else { Err(MeshError::RepeatedVertex(Places(bad)).into()) }
     }
 
     /// A function on all vertices: the free ones from `f`, the held ones as they are held, those that

@@ -12,7 +12,8 @@ use stationary_elasticity::{
     averaged_stress, cauchy, galerkin_mass, hinges, lumped_mass,
 };
 use stationary_mesh::{
-    Diagonals, Mesh, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid, curved_disc, rectangle,
+    Diagonals, Mesh, MeshError, Places, QuadraticTetrahedra, QuadraticTriangles, bar, cuboid,
+    curved_disc, rectangle,
 };
 
 fn lame() -> Lame<3> {
@@ -89,6 +90,34 @@ fn a_triangle_and_a_tetrahedron_have_the_masses_of_the_errata() {
     assert!((matrix[0] - 2.0).abs() < 1e-14 && (matrix[3] - 1.0).abs() < 1e-14);
     let lumped = lumped_mass(LinearTetrahedron, &tetrahedron, [40.0, 1.0], &freedoms).unwrap();
     assert!(lumped.masses().iter().all(|m| (m - 5.0).abs() < 1e-14));
+}
+
+/// A bar of three nodes that turns back, so that its middle node is its first one.
+struct TurnedBack([[usize; 3]; 1]);
+
+impl Elements<2, 3> for TurnedBack {
+    fn count(&self) -> usize {
+        2
+    }
+
+    fn node(&self, node: usize) -> [f64; 2] {
+        [[0.0, 0.0], [1.0, 2.0]][node]
+    }
+
+    fn elements(&self) -> &[[usize; 3]] {
+        &self.0
+    }
+}
+
+#[test]
+fn an_element_that_names_a_node_twice_has_no_mass_of_either_kind() {
+    let bar = TurnedBack([[0, 1, 0]]);
+    let freedoms = Freedoms::<2>::free(2).unwrap();
+    let expected = ElasticityError::Mesh(MeshError::RepeatedVertex(Places(vec![0])));
+    let lumped = lumped_mass(QuadraticSegment, &bar, [1.0, 1.0], &freedoms);
+    assert_eq!(lumped.unwrap_err(), expected);
+    let galerkin = galerkin_mass(QuadraticSegment, &bar, [1.0, 1.0], &freedoms);
+    assert_eq!(galerkin.unwrap_err(), expected);
 }
 
 #[test]

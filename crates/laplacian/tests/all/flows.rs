@@ -3,13 +3,16 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use stationary_calculus::{Covector, SparseError, System};
+use stationary_calculus::{Covector, System};
 use stationary_integrators::{Integrator, State, StormerVerlet};
 use stationary_laplacian::problems::{interval, square};
 use stationary_laplacian::{
-    Domain, Elements, ExactHeat, Heat, HeatMethod, LaplacianError, harmonic, lowest_modes,
+    Domain, Elements, ExactHeat, GeodesicDistance, Heat, HeatMethod, LaplacianError, harmonic,
+    lowest_modes,
 };
-use stationary_mesh::{Diagonals, IntrinsicSurface, Mesh, bar, rectangle, torus};
+use stationary_mesh::{
+    Diagonals, IntrinsicSurface, Mesh, MeshError, Places, bar, rectangle, torus,
+};
 
 #[test]
 fn exact_heat_is_what_small_steps_approach_and_reaches_any_time() {
@@ -174,12 +177,14 @@ fn a_mode_that_is_not_there_grows_from_rounding_beyond_the_explicit_border() {
 }
 
 #[test]
-fn a_torus_of_one_cell_has_no_sparse_matrix() {
+fn a_torus_of_one_cell_has_no_mass_of_either_kind() {
     let torus = IntrinsicSurface::flat_torus([1.0, 1.0], [1, 1]).unwrap();
     let domain = Domain::free(Elements::of_surface(&torus).unwrap()).unwrap();
-    let metric = domain.lumped().unwrap();
-    let method = HeatMethod::ImplicitEuler;
-    let error = Heat::new(&metric, domain.dirichlet(), method, 1.0, 1.0).unwrap_err();
-    let expected = SparseError::RepeatedFreedom { block: 1, freedom: 0 };
-    assert_eq!(error, LaplacianError::Sparse(expected));
+    let expected = LaplacianError::Mesh(MeshError::RepeatedVertex(Places(vec![0, 1])));
+    assert_eq!(domain.lumped().unwrap_err(), expected);
+    assert_eq!(domain.galerkin().unwrap_err(), expected);
+    // One cell around the tube: each triangle has a side from a vertex to itself.
+    let ring = IntrinsicSurface::flat_torus([1.0, 1.0], [3, 1]).unwrap();
+    let error = GeodesicDistance::new(&ring, 1.0).unwrap_err();
+    assert_eq!(error, LaplacianError::Mesh(MeshError::RepeatedVertex(Places((0..6).collect()))));
 }

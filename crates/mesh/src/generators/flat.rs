@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{SVector, Vector1, Vector2};
 
-use super::{check_cells, check_size};
+use super::{check_cells, check_size, direction};
 use crate::MeshError;
 use crate::mesh::Mesh;
 use crate::quadratic::{Quadratic, QuadraticTriangles};
@@ -156,7 +156,7 @@ pub fn curved_disc(radius: f64, rings: usize) -> Result<QuadraticTriangles<2>, M
     let first_outer = mesh.vertices().len() - 6 * rings;
     Quadratic::curved(&mesh, |[a, b], middle| {
         let on_rim = a >= first_outer && b >= first_outer;
-        if on_rim { middle.normalize() * radius } else { middle }
+        if on_rim { direction(middle) * radius } else { middle }
     })
 }
 

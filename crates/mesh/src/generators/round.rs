@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::{check_cells, check_size};
+use super::{check_cells, check_size, direction};
 use crate::MeshError;
 use crate::mesh::Mesh;
 use crate::quadratic::{Quadratic, QuadraticTetrahedra, QuadraticTriangles};
@@ -39,7 +39,7 @@ pub fn icosphere(radius: f64, levels: usize) -> Result<Mesh<3, 3>, MeshError> {
 /// # Errors
 /// Those of [`icosphere`].
 pub fn curved_sphere(radius: f64, levels: usize) -> Result<QuadraticTriangles<3>, MeshError> {
-    Quadratic::curved(&icosphere(radius, levels)?, |_, middle| middle.normalize() * radius)
+    Quadratic::curved(&icosphere(radius, levels)?, |_, middle| direction(middle) * radius)
 }
 
 /// A ball about the origin: twenty tetrahedra refined this many times.
@@ -81,7 +81,7 @@ pub fn curved_ball(radius: f64, levels: usize) -> Result<QuadraticTetrahedra<3>,
     }
     Quadratic::curved(&mesh, |ends, middle| {
         let on_surface = outer.binary_search(&ends).is_ok();
-        if on_surface { middle.normalize() * radius } else { middle }
+        if on_surface { direction(middle) * radius } else { middle }
     })
 }
 
@@ -125,8 +125,8 @@ pub fn curved_torus(
 ) -> Result<QuadraticTriangles<3>, MeshError> {
     let [large, small] = radii;
     Quadratic::curved(&torus(radii, cells)?, |_, middle| {
-        let centre = Vector3::new(middle.x, middle.y, 0.0).normalize() * large;
-        centre + (middle - centre).normalize() * small
+        let centre = direction(Vector3::new(middle.x, middle.y, 0.0)) * large;
+        centre + direction(middle - centre) * small
     })
 }
 

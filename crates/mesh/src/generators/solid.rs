@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use super::{check_cells, check_size, disc};
+use super::{check_cells, check_size, direction, disc};
 use crate::MeshError;
 use crate::mesh::Mesh;
 use crate::quadratic::{Quadratic, QuadraticTetrahedra};
@@ -117,7 +117,7 @@ pub fn curved_cylinder(
         if !(on_side(a) && on_side(b)) {
             return middle;
         }
-        let outward = middle.xy().normalize() * radius;
+        let outward = direction(middle.xy()) * radius;
         Vector3::new(outward.x, outward.y, middle.z)
     })
 }
