@@ -21,6 +21,14 @@ pub enum ImportError {
         /// The link.
         link: String,
     },
+    /// A loop, or a pair that does not touch, names a body that is not there.
+    #[error("{what} names body `{body}`, which does not exist")]
+    UnknownBody {
+        /// The element, and its name where it has one.
+        what: String,
+        /// The body.
+        body: String,
+    },
     /// A link hangs on two joints, or links hang on one another in a circle.
     #[error(
         "link `{link}` is the child of joint `{first}` and of joint `{second}`; links must form a tree"
@@ -70,6 +78,16 @@ pub enum ImportError {
         what: &'static str,
         /// Whose.
         name: String,
+    },
+    /// A number below zero where no scene has one.
+    #[error("{what} of `{name}` is {value}; it must not be negative")]
+    Negative {
+        /// What it is.
+        what: &'static str,
+        /// Whose.
+        name: String,
+        /// The number.
+        value: f64,
     },
     /// An axis of length zero.
     #[error("joint `{joint}` has an axis of length zero")]

@@ -37,9 +37,13 @@ mod urdf;
 #[cfg(feature = "mjcf")]
 mod mjcf;
 #[cfg(feature = "mjcf")]
+mod known_words;
+#[cfg(feature = "mjcf")]
 mod passed_over;
 #[cfg(feature = "mjcf")]
 mod reading_order;
+#[cfg(feature = "mjcf")]
+mod shapes;
 #[cfg(feature = "mjcf")]
 mod turns;
 

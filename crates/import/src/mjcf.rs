@@ -2,7 +2,6 @@
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::f64::consts::PI;
 use std::path::Path;
 
 use mjcf_rs::Model;
@@ -10,24 +9,16 @@ use mjcf_rs::body::{Body, Geom, GeomType, InertiaSpec, Joint, JointType};
 use mjcf_rs::compiler::InertiaFromGeom;
 use mjcf_rs::equality::Equality;
 use nalgebra::{Matrix3, Vector3};
-use stationary_rigid::{Body as Solid, LieGroup, RigidError, RigidMotion, Rotation, SpatialMass};
+use stationary_rigid::{LieGroup, RigidMotion, SpatialMass};
 
 use crate::passed_over::{PassedOver, passed_over};
 use crate::robot::{
-    Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, piece, plain_name,
+    Bounds, HALF_A_TURN, Kind, Link, Part, Robot, WORLD, axis_in_world, piece, scene_names,
     wall_name,
 };
+use crate::shapes::{frame, motion, named, outline, solid};
 use crate::text::scene;
 use crate::{Description, ImportError};
-
-/// A frame in its parent's.
-fn motion(name: &str, pose: &mjcf_rs::Pose) -> Result<RigidMotion, ImportError> {
-    let (t, r) = (pose.translation, pose.rotation);
-    let length = (r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z).sqrt();
-    let rotation = Rotation::from_quaternion([r.w, r.x, r.y, r.z].map(|part| part / length))
-        .map_err(|_| ImportError::NonFinite { what: "the orientation", name: name.to_owned() })?;
-    Ok(RigidMotion { translation: Vector3::new(t.x, t.y, t.z), rotation })
-}
 
 /// The scene of a model of MuJoCo: where it is with all joints at their reference, at rest, with its gravity and its
 /// step. Bodies without joints are part of their parents. Files that it includes are sought in `folder`.
@@ -61,6 +52,10 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
         friction: None,
         left_out,
     };
+    let own: Vec<_> = model.bodies.iter().skip(1).map(|entry| own_name(&entry.body)).collect();
+    let planes = model.bodies.iter().flat_map(|entry| &entry.body.geoms);
+    let planes = planes.filter(|geom| geom.type_ == GeomType::Plane).count();
+    let names = scene_names("body", &[&[Some(WORLD)], &own[..]].concat(), planes)?;
     // A parent stands before its children.
     let mut placed: Vec<(RigidMotion, String)> = Vec::with_capacity(model.bodies.len());
     let mut touching = Vec::new();
@@ -70,8 +65,11 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
             Some(parent) => (placed[parent].0.compose(&own), placed[parent].1.clone()),
             None => (own, WORLD.to_owned()),
         };
-        let name =
-            if id == 0 { WORLD.to_owned() } else { place(&mut robot, &model, id, &pose, &parent)? };
+        let name = if id == 0 {
+            WORLD.to_owned()
+        } else {
+            place(&mut robot, &model, (id, &names[id]), &pose, &parent)?
+        };
         let geoms = entry.body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0);
         if name == WORLD {
             ground(&mut robot, geoms, (id, &pose), &mut touching)?;
@@ -114,20 +112,20 @@ fn ground<'a>(
     Ok(())
 }
 
-fn named(geom: &Geom) -> &str {
-    geom.name.as_deref().unwrap_or("without a name")
+/// The name that a body is given; an empty one is none.
+fn own_name(body: &Body) -> Option<&str> {
+    body.name.as_deref().filter(|name| !name.is_empty())
 }
 
 /// Puts a body where it is, with its joint; says of which body it is a part.
 fn place(
     robot: &mut Robot,
     model: &Model,
-    id: usize,
+    (id, name): (usize, &String),
     pose: &RigidMotion,
     parent: &str,
 ) -> Result<String, ImportError> {
     let body = &model.bodies[id].body;
-    let name = body.name.as_deref().map_or_else(|| format!("body {id}"), plain_name);
     let unsupported = |what| ImportError::Unsupported { what, name: name.clone() };
     if body.mocap {
         return Err(unsupported("a body that follows a motion"));
@@ -139,7 +137,7 @@ fn place(
         // What is fixed to the world does not move.
         return Ok(parent.to_owned());
     }
-    let pieces = pieces(model, body, &name)?.iter().map(|piece| piece.moved(pose)).collect();
+    let pieces = pieces(model, body, name)?.iter().map(|piece| piece.moved(pose)).collect();
     let mut outlines = Some(Vec::new());
     for geom in body.geoms.iter().filter(|geom| geom.contype | geom.conaffinity != 0) {
         let at = pose.compose(&frame(geom, named(geom))?);
@@ -157,13 +155,13 @@ fn place(
             Ok(parent.to_owned())
         }
         [joint] => {
-            if let Some((kind, bounds)) = kind(robot, model, joint, pose, &name)? {
+            if let Some((kind, bounds)) = kind(robot, model, joint, pose, name)? {
                 let at = pose.apply(&Vector3::from(joint.pos));
                 let between = [parent.to_owned(), name.clone()];
                 robot.links.push(Link { kind, between, at, bounds });
             }
             robot.parts.push(part);
-            Ok(name)
+            Ok(name.clone())
         }
         _ => Err(unsupported("several joints of one body")),
     }
@@ -208,8 +206,12 @@ fn kind(
         JointType::Ball => Some(Kind::Ball),
         JointType::Slide => Some(Kind::Slider { axis: axis()? }),
         JointType::Hinge => {
-            let (stiffness, damping) = (joint.stiffness, joint.damping);
+            let (mut stiffness, damping) = (joint.stiffness, joint.damping);
             let rest = joint.springref - joint.ref_;
+            if rest.abs() > HALF_A_TURN && stiffness != 0.0 {
+                leave("spring, which rests beyond half a turn,");
+                stiffness = 0.0;
+            }
             Some(Kind::Hinge { axis: axis()?, stiffness, rest, damping })
         }
     };
@@ -229,9 +231,9 @@ fn find(
     kind: &str,
     body: &str,
 ) -> Result<usize, ImportError> {
-    ids.get(body).copied().ok_or_else(|| ImportError::UnknownLink {
-        joint: what.clone().unwrap_or(kind.to_owned()),
-        link: body.to_owned(),
+    ids.get(body).copied().ok_or_else(|| ImportError::UnknownBody {
+        what: what.as_ref().map_or(kind.to_owned(), |name| format!("{kind} `{name}`")),
+        body: body.to_owned(),
     })
 }
 
@@ -256,7 +258,8 @@ fn equalities(
         let name = common.name.clone().unwrap_or("without a name".to_owned());
         let (kind, first, second, anchor) = match equality {
             Equality::Connect(one) => (Kind::Ball, &one.body1, &one.body2, one.anchor),
-            Equality::Weld(one) if one.relpose.is_none() => {
+            // A pose without a turn stands for that of the start.
+            Equality::Weld(one) if one.relpose.is_none_or(|pose| pose.rotation.length() == 0.0) => {
                 (Kind::Fixed, &one.body1, &one.body2, one.anchor.unwrap_or_default())
             }
             Equality::Weld(_) => {
@@ -274,6 +277,10 @@ fn equalities(
             Some(second) => placed[find(&common.name, second)?].1.clone(),
             None => WORLD.to_owned(),
         };
+        // What is one body in the scene is held together by itself.
+        if first.1 == second {
+            continue;
+        }
         let at = first.0.apply(&Vector3::from(anchor));
         let between = [first.1.clone(), second];
         robot.links.push(Link { kind, between, at, bounds: Bounds::default() });
@@ -355,18 +362,6 @@ fn surfaces(
     Ok(())
 }
 
-/// A shape that scenes have.
-fn outline(geom: &Geom) -> Option<Outline> {
-    match (geom.type_, geom.fromto) {
-        (GeomType::Sphere, _) => Some(Outline::Ball(geom.size[0])),
-        (GeomType::Box, None) => Some(Outline::Box(geom.size.map(|half| 2.0 * half))),
-        (GeomType::Cylinder, _) => Some(Outline::Cylinder(long(geom))),
-        (GeomType::Capsule, _) => Some(Outline::Capsule(long(geom))),
-        (GeomType::Ellipsoid, None) => Some(Outline::Ellipsoid(geom.size)),
-        _ => None,
-    }
-}
-
 /// The pieces of a body in its own frame: as it is written, or its shapes.
 fn pieces(model: &Model, body: &Body, name: &str) -> Result<Vec<SpatialMass>, ImportError> {
     let from = model.compiler.inertia_from_geom;
@@ -402,103 +397,4 @@ fn pieces(model: &Model, body: &Body, name: &str) -> Result<Vec<SpatialMass>, Im
         all.push(piece(&solid).moved(&frame(geom, named(geom))?));
     }
     Ok(all)
-}
-
-/// The frame of a shape in that of its body.
-fn frame(geom: &Geom, name: &str) -> Result<RigidMotion, ImportError> {
-    match geom.fromto {
-        Some(ends) => Ok(between(&ends)),
-        None => motion(name, &geom.pose),
-    }
-}
-
-/// The frame whose z leads from one end to the other, at their middle.
-fn between(&[a, b, c, d, e, f]: &[f64; 6]) -> RigidMotion {
-    let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
-    let along = to - from;
-    let across = Vector3::z().cross(&along);
-    let angle = across.norm().atan2(along.z);
-    // Straight up or down, any axis across will do.
-    let rotation = Rotation::about(across, angle)
-        .unwrap_or_else(|_| Rotation::exp(Vector3::x() * if along.z < 0.0 { PI } else { 0.0 }));
-    RigidMotion { translation: (from + to) * 0.5, rotation }
-}
-
-/// The length and the radius of a cylinder or a capsule.
-fn long(geom: &Geom) -> [f64; 2] {
-    let length = match geom.fromto {
-        Some([a, b, c, d, e, f]) => Vector3::new(d - a, e - b, f - c).norm(),
-        None => 2.0 * geom.size[1],
-    };
-    [length, geom.size[0]]
-}
-
-/// A solid shape in its own frame; none of a surface.
-fn solid(geom: &Geom, density: f64) -> Option<Result<Solid, RigidError>> {
-    let [r, mut half, c] = geom.size;
-    if geom.fromto.is_some() {
-        half = 0.5 * long(geom)[0];
-    }
-    let mass = |volume: f64| geom.mass.unwrap_or(density * volume);
-    let (tube, ball) = (2.0 * PI * r * r * half, 4.0 / 3.0 * PI * r.powi(3));
-    Some(match (geom.type_, geom.fromto) {
-        (GeomType::Sphere, _) => Solid::solid_ball(mass(ball), r),
-        (GeomType::Box, None) => Solid::solid_box(mass(8.0 * r * half * c), geom.size),
-        (GeomType::Ellipsoid, None) => {
-            Solid::solid_ellipsoid(mass(4.0 / 3.0 * PI * r * half * c), geom.size)
-        }
-        (GeomType::Cylinder, _) => Solid::solid_cylinder(mass(tube), half, r),
-        (GeomType::Capsule, _) => Solid::solid_capsule(mass(tube + ball), half, r),
-        _ => return None,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The mass of slices across z: a disc of radius r(z) each.
-    fn slices(density: f64, reach: f64, radius: impl Fn(f64) -> f64) -> f64 {
-        let n = 200_000;
-        let dz = 2.0 * reach / f64::from(n);
-        let at = |k: u32| -reach + dz * (f64::from(k) + 0.5);
-        (0..n).map(|k| density * PI * radius(at(k)).powi(2) * dz).sum()
-    }
-
-    #[test]
-    fn masses_of_shapes_are_those_of_their_slices() {
-        let (r, half, density) = (0.3, 0.5, 700.0);
-        let tube = |_: f64| r;
-        let capsule = |z: f64| {
-            let beyond = (z.abs() - half).max(0.0);
-            (r * r - beyond * beyond).max(0.0).sqrt()
-        };
-        let round = |z: f64| r * (1.0 - (z / half).powi(2)).max(0.0).sqrt();
-        let ball = |z: f64| (r * r - z * z).max(0.0).sqrt();
-        for (type_, size, expected) in [
-            (GeomType::Cylinder, [r, half, 0.0], slices(density, half, tube)),
-            (GeomType::Capsule, [r, half, 0.0], slices(density, half + r, capsule)),
-            (GeomType::Ellipsoid, [r, r, half], slices(density, half, round)),
-            (GeomType::Sphere, [r, 0.0, 0.0], slices(density, r, ball)),
-        ] {
-            let geom = Geom { type_, size, ..Geom::default() };
-            let mass = solid(&geom, density).unwrap().unwrap().mass();
-            assert!((mass / expected - 1.0).abs() < 1e-8, "{type_:?}: {mass} {expected}");
-        }
-    }
-
-    #[test]
-    fn what_lies_between_two_points_has_its_axis_along_them() {
-        for ends in [
-            [1.0, 0.0, 0.0, 3.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.0, 0.0, -1.0],
-            [0.0, 0.0, -1.0, 0.0, 0.0, 1.0],
-            [0.2, -0.3, 0.5, -0.7, 0.1, -0.9],
-        ] {
-            let [from, to] = [&ends[..3], &ends[3..]].map(Vector3::from_column_slice);
-            let (frame, half) = (between(&ends), 0.5 * (to - from).norm());
-            assert!((frame.apply(&(Vector3::z() * half)) - to).norm() < 1e-15, "{ends:?}");
-            assert!((frame.apply(&(Vector3::z() * -half)) - from).norm() < 1e-15, "{ends:?}");
-        }
-    }
 }

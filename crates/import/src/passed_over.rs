@@ -8,6 +8,7 @@ use mjcf_rs::Model;
 use roxmltree::{Document, Node};
 
 use crate::ImportError;
+use crate::known_words::unread;
 use crate::reading_order::{Before, late};
 use crate::turns::{TURNS, turn_refused};
 
@@ -165,6 +166,7 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
             }
             told(node, &place, &mut out);
         }
+        out.left_out.extend(unread(read.root_element(), |node| file.place(node)));
     }
     let mut attachable = HashMap::new();
     for Attachable { name, file } in parts {
@@ -268,6 +270,12 @@ fn refused(node: Node<'_, '_>, classes: &HashMap<String, Class>) -> Option<&'sta
             let own = node.attribute("class").is_some_and(|class| class != "main");
             own.then_some("a class of all that is not called main")
         }
+        "connect" | "weld"
+            if node.attribute("active") != Some("false")
+                && ["site1", "site2"].iter().any(|site| node.has_attribute(*site)) =>
+        {
+            Some("a loop that is closed between sites")
+        }
         "weld" => {
             let numbers = node.attribute("relpose")?.split_whitespace().count();
             (numbers != 7).then_some("a pose of a weld that is not seven numbers")
@@ -322,9 +330,8 @@ fn shape_refused(levels: &[Said]) -> Option<&'static str> {
     let between_ends = levels.iter().any(|said| said.pose[2]);
     let needed = match kind {
         "sphere" => 1,
-        "capsule" | "cylinder" if between_ends => 1,
+        "capsule" | "cylinder" | "box" | "ellipsoid" if between_ends => 1,
         "capsule" | "cylinder" => 2,
-        "box" | "ellipsoid" if between_ends => 2,
         "box" | "ellipsoid" => 3,
         _ => 0,
     };

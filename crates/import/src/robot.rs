@@ -186,15 +186,44 @@ impl Robot {
         self.parts.iter_mut().find(|part| part.name == name)
     }
 
-    /// Names that a scene accepts, each once.
+    /// Whether nothing that moves has the world's name.
     pub(crate) fn check_names(&self, what: &'static str) -> Result<(), ImportError> {
-        let walls = (0..self.walls.len()).map(wall_name);
-        let mut seen: HashSet<_> = walls.chain([WORLD.to_owned()]).collect();
-        match self.parts.iter().find(|part| !seen.insert(part.name.clone())) {
+        match self.parts.iter().find(|part| part.name == WORLD) {
             None => Ok(()),
             Some(part) => Err(ImportError::Duplicate { what, name: part.name.clone() }),
         }
     }
+}
+
+/// The longest name of a scene, in characters.
+const NAME: usize = 64;
+
+/// Names that a scene accepts, each once: what has none is called by its number, and of names that are alike to a
+/// scene all but the first are counted. So many walls have names of their own.
+pub(crate) fn scene_names(
+    what: &'static str,
+    own: &[Option<&str>],
+    walls: usize,
+) -> Result<Vec<String>, ImportError> {
+    let mut seen = HashSet::new();
+    if let Some(name) = own.iter().flatten().find(|name| !seen.insert(*name)) {
+        return Err(ImportError::Duplicate { what, name: (*name).to_owned() });
+    }
+    let mut taken: HashSet<_> = (0..walls).map(wall_name).collect();
+    let mut free = |wished: String| {
+        let counted = (2..).map(|k| {
+            let count = format!(" {k}");
+            wished.chars().take(NAME - count.len()).collect::<String>() + &count
+        });
+        let all = std::iter::once(wished.chars().take(NAME).collect()).chain(counted);
+        let name: String = all.into_iter().find(|name| !taken.contains(name)).unwrap_or_default();
+        taken.insert(name.clone());
+        name
+    };
+    // What has a name keeps it beside what has none.
+    let named: Vec<_> = own.iter().map(|own| own.map(|own| free(plain_name(own)))).collect();
+    let numbered = named.into_iter().enumerate();
+    Ok(numbered.map(|(k, name)| name.unwrap_or_else(|| free(format!("{what} {k}")))).collect())
 }
 
 /// The name of a wall, counted from zero.
@@ -203,7 +232,7 @@ pub(crate) fn wall_name(k: usize) -> String {
 }
 
 /// A name as scenes have them: letters, digits, spaces, `-` and `_`, the first a letter or a digit.
-pub(crate) fn plain_name(name: &str) -> String {
+fn plain_name(name: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() || matches!(c, ' ' | '-' | '_') { c } else { '_' };
     let name: String = name.chars().map(plain).collect();
     let start = name.chars().next().is_some_and(char::is_alphanumeric);

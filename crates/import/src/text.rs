@@ -11,6 +11,10 @@ use crate::{Description, ImportError};
 
 /// Seconds that the scene runs, at most by half a step more or less.
 const HORIZON: f64 = 1.0;
+/// Steps that it takes at most, of a step so short that a scene would not have as many.
+const STEPS: f64 = 1e9;
+/// Samples that it takes at most.
+const SAMPLES: f64 = 1e4;
 
 fn numbers(numbers: impl IntoIterator<Item = f64>) -> String {
     // A zero has no sign that anyone would want to read.
@@ -125,6 +129,15 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
                 name: link.between[1].clone(),
             });
         }
+        for (what, value) in [
+            ("the stiffness at the joint", stiffness),
+            ("the damping at the joint", damping),
+            ("the friction at the joint", link.bounds.friction),
+        ] {
+            if value < 0.0 {
+                return Err(ImportError::Negative { what, name: link.between[1].clone(), value });
+            }
+        }
     }
     let solids = robot.parts.iter().map(Part::solid).collect::<Result<Vec<_>, _>>()?;
     let bodies: String = robot
@@ -182,7 +195,7 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
             let _ = writeln!(text, "# - {}", one.replace(char::is_control, " "));
         }
     }
-    let steps = (HORIZON / robot.step).round().max(1.0);
+    let steps = (HORIZON / robot.step).round().clamp(1.0, STEPS);
     let _ = write!(
         text,
         "\ntitle = {}\ndimension = 3\nintegrator = \"variational-rotation\"\nstep = {:?}\nhorizon = \"= {steps}*{:?}\"\n",
@@ -190,6 +203,9 @@ pub(crate) fn scene(mut robot: Robot) -> Result<Description, ImportError> {
         robot.step,
         robot.step
     );
+    if steps > SAMPLES {
+        let _ = writeln!(text, "sample_every = {}", (steps / SAMPLES).ceil());
+    }
     let _ = writeln!(text, "observables = [\"energy\"]");
     if robot.gravity.iter().any(|&g| g != 0.0) {
         let _ = writeln!(text, "\n[uniform_gravity]\nacceleration = {}", numbers(robot.gravity));

@@ -7,7 +7,7 @@ use stationary_rigid::{LieGroup, RigidMotion, Rotation, SpatialMass};
 use urdf_rs::{Geometry, JointType, Pose};
 
 use crate::robot::{
-    Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, plain_name,
+    Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, scene_names,
 };
 use crate::text::scene;
 use crate::{Description, ImportError};
@@ -48,12 +48,9 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
         friction: None,
         left_out: Vec::new(),
     };
-    let mut index = HashMap::new();
-    for (k, link) in read.links.iter().enumerate() {
-        if index.insert(link.name.as_str(), k).is_some() {
-            return Err(ImportError::Duplicate { what: "link", name: link.name.clone() });
-        }
-    }
+    let own: Vec<_> = read.links.iter().map(|link| link.name.as_str()).collect();
+    let index: HashMap<_, _> = own.iter().enumerate().map(|(k, &name)| (name, k)).collect();
+    let names = scene_names("link", &own.into_iter().map(Some).collect::<Vec<_>>(), 0)?;
     // The joint that a link hangs on, and those that hang on it.
     let mut above: Vec<Option<usize>> = vec![None; read.links.len()];
     let mut below = vec![Vec::new(); read.links.len()];
@@ -84,7 +81,7 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
     let mut reached = 0;
     while let Some((k, pose, above)) = waiting.pop() {
         reached += 1;
-        let body = place(&mut robot, &read.links[k], &pose, above)?;
+        let body = place(&mut robot, (&read.links[k], &names[k]), &pose, above)?;
         for &(j, child) in below[k].iter().rev() {
             let joint = &read.joints[j];
             waiting.push((
@@ -106,7 +103,7 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
 /// Puts a link where it is, with the joint that it hangs on; says of which body it is a part.
 fn place(
     robot: &mut Robot,
-    link: &urdf_rs::Link,
+    (link, name): (&urdf_rs::Link, &String),
     pose: &RigidMotion,
     above: Option<(&urdf_rs::Joint, String)>,
 ) -> Result<String, ImportError> {
@@ -135,9 +132,8 @@ fn place(
             stands(robot, link);
             return Ok(WORLD.to_owned());
         }
-        let name = plain_name(&link.name);
         robot.parts.push(Part { name: name.clone(), pieces, outlines });
-        return Ok(name);
+        return Ok(name.clone());
     };
     let unsupported = |what| ImportError::Unsupported { what, name: joint.name.clone() };
     if joint.mimic.is_some() {
@@ -151,7 +147,6 @@ fn place(
         }
         return Ok(parent);
     }
-    let name = plain_name(&link.name);
     let mut leave = |what: &str| robot.left_out.push(format!("{what} of joint `{}`", joint.name));
     let dynamics = joint.dynamics.as_ref();
     let [damping, friction] = dynamics.map_or([0.0; 2], |d| [d.damping, d.friction]);
@@ -197,7 +192,7 @@ fn place(
         robot.links.push(Link { kind, between, at: pose.translation, bounds });
     }
     robot.parts.push(Part { name: name.clone(), pieces, outlines });
-    Ok(name)
+    Ok(name.clone())
 }
 
 /// Tells that a link which does not move touches nothing in the scene: walls are all that stands there.

@@ -2,4 +2,5 @@
 
 mod read_otherwise;
 mod refused;
+mod unread_words;
 mod run;

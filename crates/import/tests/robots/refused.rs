@@ -191,7 +191,7 @@ fn pairs_of_contact_and_friction_that_resists_turning_are_told() {
     assert_eq!(left, told.map(str::to_owned));
     let wrong = model.replace("pair geom1=\"floor\" geom2", "exclude body1=\"a\" body2");
     let error = scene_of_mjcf(&wrong, ".").unwrap_err().to_string();
-    assert!(error.contains("`exclude` names link `g`"), "{error}");
+    assert!(error.contains("exclude names body `g`"), "{error}");
 }
 
 #[test]

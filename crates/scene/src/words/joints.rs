@@ -84,7 +84,7 @@ mod compiled {
     use crate::model::items::{JointKind, SceneJoint};
     use crate::text::check;
     use crate::text::diagnostic::{Checked, at};
-    use crate::text::fault::{BodyFault, DriveFault};
+    use crate::text::fault::{BodyFault, DriveFault, Fault};
     use crate::words::bodies::WORLD;
     use crate::words::joint_velocities::{
         self, VELOCITY, fastest, fastest_turn, forbidden_shift, forbidden_turn,
@@ -110,6 +110,16 @@ mod compiled {
             .iter()
             .map(|declared| joint(dimension, &by_name, declared))
             .collect::<Checked<Vec<_>>>()?;
+        for (joint, declared) in joints.iter().zip(all) {
+            for body in joint.between.into_iter().flatten() {
+                let arm = joint.place.iter().zip(bodies[body].body.position).map(|(a, b)| a - b);
+                let value = arm.map(|x| x * x).sum::<f64>();
+                if !value.is_finite() {
+                    let what = "the square of the distance from the joint to its body";
+                    return Err(at(declared.at.span(), Fault::NotFinite { what, value }));
+                }
+            }
+        }
         joint_velocities::complete(dimension, bodies, &joints);
         let (speed, turning) = (fastest(bodies, &joints), fastest_turn(bodies));
         for (joint, declared) in joints.iter().zip(all) {

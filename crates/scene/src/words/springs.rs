@@ -82,6 +82,11 @@ mod compiled {
         let strain = strain(declared.strain.as_ref())?;
         let [x, y] = ends.map(|end| table.particles[end].position);
         let start = (0..3).map(|c| (y[c] - x[c]) * (y[c] - x[c])).sum::<f64>().sqrt();
+        if !start.is_finite() {
+            let fault =
+                Fault::NotFinite { what: "the square of the spring's length", value: start };
+            return Err(at(declared.between.span(), fault));
+        }
         let (rest_length, place) = match &declared.rest_length {
             Some(length) => (check::finite("the rest length", length)?, length.span()),
             None => (start, declared.between.span()),

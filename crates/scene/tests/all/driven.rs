@@ -368,3 +368,31 @@ fn what_cannot_be_driven_is_refused_with_the_reason() {
         base.replace("stormer-verlet", "yoshida-6") + "loads = [{ on = \"b\", force = [1, 0] }]\n";
     assert!(matches!(fault(&high), Fault::MethodCannot { .. }));
 }
+
+/// Each acts by itself, one after another and back, so that their order in the file shows by the steps' own error.
+#[test]
+fn the_order_of_dampers_shows_at_order_two() {
+    let end = |step: f64, turned: bool| {
+        let mut springs = [
+            r#"{ between = ["a", "b"], stiffness = 20, rest_length = 0.8, damping = 1 }"#,
+            r#"{ between = ["b", "c"], stiffness = 20, rest_length = 0.8, damping = 0.5 }"#,
+        ];
+        if turned {
+            springs.reverse();
+        }
+        let text = format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = {step}\nhorizon = 1\n\
+             particles = [{{ name = \"a\", mass = 1, position = [0, 0] }},\n\
+             {{ name = \"b\", mass = 1, position = [1, 0] }}, {{ name = \"c\", mass = 1, position = [1, 1] }}]\n\
+             springs = [{}]\n",
+            springs.join(", ")
+        );
+        last(&scene(&text).run().unwrap()).to_vec()
+    };
+    let apart = |step: f64| {
+        let (one, other) = (end(step, false), end(step, true));
+        one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (apart(0.02), apart(0.01));
+    assert!(coarse > 1e-9 && (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine}");
+}

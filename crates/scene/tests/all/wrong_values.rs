@@ -240,3 +240,24 @@ fn no_missing_and_no_superfluous_key_is_answered_in_the_words_of_the_parser() {
         }
     }
 }
+
+/// Neither is told that its ends are in one place, nor without a place in the file.
+#[test]
+fn places_whose_squares_overflow_are_told_where_they_are_measured() {
+    let head = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.01\nhorizon = 0.1\n";
+    let spring = "particles = [{ name = \"a\", mass = 1, position = [0, 0] },\n\
+        { name = \"b\", mass = 1, position = [1e160, 0] }]\n\
+        springs = [{ between = [\"a\", \"b\"], stiffness = 1 }]\n";
+    let joint = "bodies = [{ name = \"b\", mass = 1, ball = 1, position = [0, 0] }]\n\n\
+        joints = [{ kind = \"pin\", between = [\"world\", \"b\"], at = [1e160, 0] }]\n";
+    for (text, expected) in [
+        (spring, "the square of the spring's length is inf; it must be finite\n --> a.toml:7:24"),
+        (
+            joint,
+            "the square of the distance from the joint to its body is inf; it must be finite\n --> a.toml:7:58",
+        ),
+    ] {
+        let said = Scene::parse("a.toml", &(head.to_owned() + text)).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
+}
