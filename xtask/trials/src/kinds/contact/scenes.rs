@@ -13,7 +13,7 @@ const RULE: &str = "a body's momentum off the impulses told, or what the report 
                     1e-9; energy above lifting, obstacles and what the residuals reported allow, by \
                     1e-9; an impulse that pulls or is out of its cone; conditions off by more than \
                     reported, or settled beyond what was asked; a body deeper in another on its way, \
-                    by a fiftieth of it, than turning and the residual allow; every twentieth: off \
+                    by 1e-5 of it, than turning and the residual allow; every twentieth: off \
                     the one of steps a hundred times smaller by more than 20 h V, times how starts \
                     grow apart. A step that is not settled is refused; \
                     one in which the energy allows turns of 1e4 rad may be";

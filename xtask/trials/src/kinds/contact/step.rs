@@ -29,10 +29,8 @@ use crate::Verdict;
 const ROUNDING: f64 = 1e-9;
 /// A step with more contacts is one of a pile.
 const PILE: usize = 100;
-/// Bodies are through each other where they are deeper in each other by this part of the thinner one
-/// than is allowed.
-const THROUGH: f64 = 0.02;
-/// Deeper in the ground, which is even, by so much than gaps that are linear err.
+/// Bodies are through each other, or the ground, where they are deeper by this part of the thinner one than is
+/// allowed.
 const DEEPER: f64 = 1e-5;
 /// Lifting some may push others into each other, by this part of the deepest overlap.
 const LIFTED: f64 = 0.5;
@@ -315,9 +313,9 @@ impl<'a> Referee<'a> {
         // Gaps are of points that are farther than centres.
         let radius = self.bodies.iter().map(|body| body.hull.radius).fold(0.0, f64::max);
         let rounding = 1e-10 * fastest + 20.0 * f64::EPSILON * (step.farthest() + radius) / h;
-        // Of what moves in a pile a tenth of the weight's change may be left, and 3e-4 of the fastest.
+        // Of what moves in a pile a quarter of the weight's change may be left, and 3e-4 of the fastest.
         let pile = step.touches.len() > PILE;
-        let of_piles = (0.1 * gain).max(3e-4 * (fastest + gain));
+        let of_piles = (0.25 * gain).max(3e-4 * (fastest + gain));
         let asked = self.case.tolerance.unwrap_or(if pile { of_piles } else { 1e-2 * gain });
         let slop = 0.1 * self.fine(step) + rounding;
         let mut verdict = Verdict::due();
