@@ -95,6 +95,7 @@ studies! {
             friction: [FRICTION_THRESHOLD],
             arch: [MASONRY_ARCH],
             work_precision: [CONTACT_WORK_PRECISION],
+            swinging: [SWINGING_PULL],
             friction_problems: [FRICTION_PROBLEMS],
             coupled_rows: [COUPLED_ROWS],
             rolling: [ROLLING_FRICTION],
