@@ -206,9 +206,10 @@ fn study(size: Size) -> Result<Study, StudyError> {
     }
     Ok(Study {
         conclusion: "A pull that swings beats friction by a tenth for a part of each swing, and the block slips then \
-                     alone. Steps chosen by error keep to the accuracy that is asked for where the pull says by how much it \
-                     leaves its mean over a step; told means alone they step over the slip while it is no larger than \
-                     that, and their error falls late. Fixed steps are of order 1."
+                     alone. Steps chosen by error keep to the accuracy that is asked for where the pull says by how \
+                     much it leaves its mean over a step. Told means alone they step over a slip, and are off by \
+                     it whatever is asked for. Fixed steps are of order 1: the least work down to errors of 5e-6 m, \
+                     and six times that of chosen ones at 5e-7 m."
             .into(),
         table,
         charts: vec![chart.into()],
