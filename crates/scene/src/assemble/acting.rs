@@ -3,7 +3,7 @@
 //! ```text
 //! p <- p + h/2 s F(t, q),    the method's own step,    p <- p + h/2 s F(t + h, q')
 //! s = 1/h int_t^(t+h) strength,       drag   p <- p/(1 + x) before,   p <- (1 - x) p after,   x = h c/2m
-//! damper  F = -c r along a rate r = J v, alike, with J M^-1 J^T for 1/m
+//! damper  F = -c r along a rate r = J v, alike, all at once (see `dampers.rs`)
 //! W_k = sum of <J_k, M^-1 (p + J_k/2)>,   J_k = h/2 s F_k         the kinetic energy that each brings
 //! W   = sum of <dV/dx, dx>/2                                      of pins that move by dx in the step
 //! ```
@@ -15,6 +15,7 @@
 mod bounds;
 #[cfg(feature = "elasticity")]
 mod by_pins;
+mod dampers;
 mod frame;
 mod impulses;
 mod of_scene;
@@ -22,6 +23,7 @@ mod rate;
 
 #[cfg(feature = "elasticity")]
 use crate::assemble::acting::by_pins::{ByPins, MovingPin};
+use crate::assemble::acting::dampers::{Dampers, Held};
 use crate::assemble::acting::frame::Frame;
 use crate::assemble::acting::rate::Rate;
 use crate::assemble::anchor::wrench;
@@ -37,6 +39,7 @@ pub(crate) use impulses::Impulses;
 #[derive(Clone, Debug)]
 pub(crate) struct Acting {
     acts: Vec<Act>,
+    dampers: Dampers,
     /// One over the mass of each freedom.
     inverse: Vec<f64>,
     /// Freedoms of a particle or a body, of which the first are shifts along the dimensions.
@@ -107,7 +110,9 @@ impl Acting {
         }
         let works = vec![0.0; acts.len()];
         let (inverse, each) = (scene.inverse_masses(), scene.freedoms_of_each());
-        Some(Acting { acts, inverse, each, dimension: scene.dimension, works, width: 0.0 })
+        let dimension = scene.dimension;
+        let dampers = Dampers::of(&acts, inverse.len(), (each, dimension));
+        Some(Acting { acts, dampers, inverse, each, dimension, works, width: 0.0 })
     }
 
     /// The same, where a force takes the means of strengths over this time.
@@ -180,38 +185,21 @@ impl Acting {
         }
     }
 
-    /// Drag and dampers for half a step: at its end in the other order, and backward.
+    /// Drag and dampers, and a frame, for half a step: at its end in the other order, and backward.
     fn hold_back(&mut self, end: End, (now, h): (f64, f64), q: &[f64], p: &mut [f64]) {
-        let Acting { acts, inverse, each, dimension, works, .. } = self;
-        let mut hold = |(act, work): (&Act, &mut f64)| match &act.what {
-            What::Drag(c) => {
-                for freedom in shifts(p.len(), *each, *dimension) {
-                    let (p, inverse) = (&mut p[freedom], inverse[freedom]);
-                    let x = 0.5 * h * c * inverse;
-                    let after = if end == End::Start { *p / (1.0 + x) } else { *p * (1.0 - x) };
-                    *work += 0.5 * inverse * (after - *p) * (after + *p);
-                    *p = after;
-                }
+        let Acting { acts, dampers, inverse, each, works, .. } = self;
+        if end == End::Start {
+            dampers.hold_back((now, 0.5 * h), (q, *each), (p, inverse), false, works);
+        }
+        for act in acts.iter() {
+            let What::Frame(frame) = act.what else { continue };
+            let things = p.chunks_exact_mut(*each).zip(inverse.chunks_exact(*each));
+            for (seen, (p, inverse)) in frame.seen(q).zip(things) {
+                frame.turn(0.5 * h, &seen, p, inverse);
             }
-            What::Frame(frame) => {
-                let things = p.chunks_exact_mut(*each).zip(inverse.chunks_exact(*each));
-                for (seen, (p, inverse)) in frame.seen(q).zip(things) {
-                    frame.turn(0.5 * h, &seen, p, inverse);
-                }
-            }
-            What::Damper(c, rate) => {
-                let rate = rate.now(now, q, *each);
-                let [own, whole, yields] = rate.of_momenta(p, inverse);
-                let x = 0.5 * h * c;
-                let impulse = -x * whole / if end == End::Start { 1.0 + x * yields } else { 1.0 };
-                *work += impulse * (own + 0.5 * impulse * yields);
-                rate.entries.iter().for_each(|&(freedom, part)| p[freedom] += impulse * part);
-            }
-            _ => {}
-        };
-        match end {
-            End::Start => acts.iter().zip(works).for_each(&mut hold),
-            End::Finish => acts.iter().zip(works).rev().for_each(&mut hold),
+        }
+        if end == End::Finish {
+            dampers.hold_back((now, 0.5 * h), (q, *each), (p, inverse), true, works);
         }
     }
 
@@ -273,25 +261,27 @@ impl Acting {
     }
 
     /// Adds the impulses of a whole step, taken at its start, of a state with or without bodies that nothing acts on
-    /// behind the scene's; each drag and damper alone ends where it would
+    /// behind the scene's; drag and all dampers together end where they would
     /// by implicit Euler, and a frame turns momenta as by itself.
-    pub(crate) fn give(&self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
+    pub(crate) fn give(&mut self, (t, h): (f64, f64), q: &[f64], p: &[f64], given: &mut Impulses) {
         given.dim = self.inverse.len();
         let p = &p[..given.dim];
+        let at = (q, self.each);
+        let (found, pulls) = self.dampers.find((t, h), at, (p, &self.inverse), false);
+        let mut found = found.iter();
         for act in &self.acts {
             let scale = h * act.strength.mean(t, t + h);
             match act.what {
                 What::Drag(c) => {
                     for freedom in shifts(p.len(), self.each, self.dimension) {
                         let x = h * c * self.inverse[freedom];
-                        given.entries.push((freedom, -p[freedom] * x / (1.0 + x)));
+                        given
+                            .entries
+                            .push((freedom, -(p[freedom] + pulls[freedom]) * x / (1.0 + x)));
                     }
                 }
-                What::Damper(c, ref rate) => {
-                    let rate = rate.now(t, q, self.each);
-                    let [_, whole, yields] = rate.of_momenta(p, &self.inverse);
-                    let impulse = -h * c * whole / (1.0 + h * c * yields);
-                    given.entries.extend(rate.entries.iter().map(|&(f, part)| (f, impulse * part)));
+                What::Damper(..) => {
+                    given.entries.extend(found.next().into_iter().flat_map(Held::gives))
                 }
                 _ => act.what.forces((t, q), &self.inverse, self.each, &mut |freedom, force| {
                     given.entries.push((freedom, scale * force));

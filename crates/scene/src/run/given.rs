@@ -75,7 +75,7 @@ impl StepForces for Given {
         self.obstacles.place(state, h);
         self.impulses.clear();
         self.h = h;
-        if let Some(acting) = &self.acting {
+        if let Some(acting) = &mut self.acting {
             acting.give((state.t, h), &state.q, state.p.components(), &mut self.impulses);
         }
     }

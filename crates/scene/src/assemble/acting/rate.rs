@@ -28,6 +28,7 @@ pub(super) enum End {
 }
 
 /// A rate at a moment.
+#[derive(Clone, Debug, Default)]
 pub(super) struct RateNow {
     /// How it depends on the rates of freedoms; on none where two points meet.
     pub(super) entries: Vec<(usize, f64)>,
@@ -65,8 +66,18 @@ impl Rate {
 
 impl Rate {
     pub(super) fn now(&self, t: f64, q: &[f64], each: usize) -> RateNow {
+        let mut now = RateNow::default();
+        self.read((t, q, each), &mut now);
+        now
+    }
+
+    /// Writes what it is now into the room of another moment.
+    pub(super) fn read(&self, (t, q, each): (f64, &[f64], usize), now: &mut RateNow) {
+        let RateNow { entries, told } = now;
+        entries.clear();
+        *told = 0.0;
         let ends = match self {
-            Rate::Freedoms(entries) => return RateNow { entries: entries.clone(), told: 0.0 },
+            Rate::Freedoms(all) => return entries.extend_from_slice(all),
             Rate::Distance(ends) => ends,
         };
         let [a, b] = ends.each_ref().map(|end| match end {
@@ -75,7 +86,6 @@ impl Rate {
         });
         let way: [f64; 3] = array(|c| b[c] - a[c]);
         let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let (mut entries, mut told) = (Vec::new(), 0.0);
         if length > 0.0 {
             for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
                 let along = way.map(|x| sign * x / length);
@@ -83,12 +93,24 @@ impl Rate {
                     End::Held(anchor) => anchor
                         .pull(q, each, &along, &mut |freedom, part| entries.push((freedom, part))),
                     End::Moved(pin, _) => {
-                        told += along.iter().zip(pin.velocity(t)).map(|(x, v)| x * v).sum::<f64>();
+                        *told += along.iter().zip(pin.velocity(t)).map(|(x, v)| x * v).sum::<f64>();
                     }
                 }
             }
         }
-        RateNow { entries, told }
+    }
+
+    /// The particles or bodies of `each` freedoms on which it depends.
+    pub(super) fn things(&self, each: usize) -> Vec<usize> {
+        let thing = |end: &End| match end {
+            End::Held(Anchor::Particle(first)) => Some(first / each),
+            End::Held(Anchor::Body(body, _)) => Some(*body),
+            End::Held(Anchor::World(_)) | End::Moved(..) => None,
+        };
+        match self {
+            Rate::Distance(ends) => ends.iter().filter_map(thing).collect(),
+            Rate::Freedoms(all) => all.iter().map(|&(freedom, _)| freedom / each).collect(),
+        }
     }
 }
 

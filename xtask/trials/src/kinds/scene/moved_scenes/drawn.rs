@@ -150,8 +150,7 @@ fn of_particles(draw: &mut Draw, scene: &mut Drawn, dragged: bool, off: f64) {
         }));
         if k > 0 && draw.chance(0.7) {
             let (stiffness, rest) = (draw.log_uniform(1.0, 100.0), draw.uniform(0.5, 2.0));
-            // Several act one after another, so that their order shows.
-            let damped = dragged && springs.is_empty() && draw.chance(0.5);
+            let damped = dragged && draw.chance(0.5);
             let damping = if damped { draw.uniform(0.0, 1.0) } else { 0.0 };
             let strain = if draw.chance(0.3) { "green" } else { "cauchy" };
             springs.push(Box::new(move |seen| {
@@ -239,8 +238,6 @@ fn joint(draw: &mut Draw, dimension: usize, k: usize) -> Line {
     let above = if k == 0 || draw.chance(0.3) { "world".to_owned() } else { format!("b{}", k - 1) };
     let [stiffness, damping, rest] =
         [draw.uniform(1.0, 20.0), draw.uniform(0.0, 1.0), draw.symmetric()];
-    // Several dampers act one after another, so that their order shows.
-    let damping = if k == 0 { damping } else { 0.0 };
     let sprung = draw.chance(0.4);
     Box::new(move |seen| {
         let mut more = String::new();
