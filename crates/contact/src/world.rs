@@ -16,22 +16,22 @@
 //! state is as it was.
 //!
 //! Which points are looked at is judged pair by pair, by how far both bodies move in the step; where an impulse makes
-//! a body faster than that, and it closes a gap that nobody looked at, the step is solved again from the impulses that
-//! were found (see `reach.rs`). What turns far onto points that nobody looked at is named (see `turning.rs`). Impulses start from those of the last step, and each island of bodies that hang
-//! together is looked at on its own. Where those impulses still meet the conditions nothing is
-//! solved (see `resting.rs`), and where they change no velocity none changes: what stands does not
-//! move at all, and a step of a world in which nothing moves costs no more than to see that (see
-//! `standing.rs`). Small islands without friction so far are projected exactly; else sweeps and sparse
-//! systems by turns settle them, and those of few contacts are then solved to rounding (see
-//! `polish.rs`), unless they are of a pile. These take no memory once as many contacts have been met. Contact
-//! points of bodies that hardly move against each other are kept (see `contact_cache.rs`).
+//! a body faster than that, and it closes a gap that nobody looked at, the step is solved again from the impulses
+//! that were found (see `reach.rs`). What turns far onto points that nobody looked at is named (see `turning.rs`).
+//! Impulses start from those of the last step, and each island of bodies that hang together is looked at on its own.
+//! Where those impulses still meet the conditions nothing is solved (see `resting.rs`), and where they change no
+//! velocity none changes: what stands does not move at all, and a step of a world in which nothing moves costs no
+//! more than to see that (see `standing.rs`). Small islands without friction so far are projected exactly; else
+//! sweeps and sparse systems by turns settle them, and those of few contacts are then solved to rounding (see
+//! `polish.rs`), unless they are of a pile. These take no memory once as many contacts have been met. Contact points
+//! of bodies that hardly move against each other are kept (see `contact_cache.rs`).
 //!
-//! One tolerance says how far contact conditions are settled, m/s. By default it is a small part of
-//! what the forces change of velocities in the step, so that it is as fine for what is slow as for
-//! what is fast; what moves in a pile, a world of more than a hundred contacts, is settled to a quarter of
-//! that, or to 3e-4 of the fastest body of its island. A step whose conditions are not met so far says so
-//! ([`WorldReport::settled`]), and is an error only beyond the limit that is asked for. Source: notes 11.4, 11.5.1; Stewart and
-//! Trinkle 1996, Anitescu and Potra 1997 for contact by velocities.
+//! One tolerance says how far contact conditions are settled, m/s. By default it is a small part of what the forces
+//! change of velocities in the step, so that it is as fine for what is slow as for what is fast; what moves in a
+//! pile, a world of more than a hundred contacts, is settled to a quarter of that, or to 3e-4 of the fastest body of
+//! its island. A step whose conditions are not met so far says so ([`WorldReport::settled`]), and is an error only
+//! beyond the limit that is asked for. Source: notes 11.4, 11.5.1; Stewart and Trinkle 1996, Anitescu and Potra 1997
+//! for contact by velocities.
 
 pub(crate) mod report;
 mod memory;

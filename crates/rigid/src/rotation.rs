@@ -6,8 +6,9 @@
 //! exp(theta) = (cos(|theta|/2), sin(|theta|/2)/|theta| theta)                        (9.1)
 //! log(q) = 2 atan2(|x|, w)/|x| x
 //! ```
-//! `theta` the axis times the angle, radians, by the right-hand rule. `q` and `-q` are the same
-//! rotation. A product of n rotations is off length 1 by n roundings: [`Rotation::normalized`] divides by it. The algebra is R^3 with the cross product; hat is the cross-product matrix.
+//! `theta` the axis times the angle, radians, by the right-hand rule. `q` and `-q` are the same rotation. A product
+//! of n rotations is off length 1 by n roundings: [`Rotation::normalized`] divides by it. The algebra is R^3 with the
+//! cross product; hat is the cross-product matrix.
 //!
 //! Both maps are accurate to a few roundings of each component, exp from angles of 1e-300 to 1e15,
 //! beside whole and half turns as well, where less than 1e-31 of the angle is not told from nothing. The

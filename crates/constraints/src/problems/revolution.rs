@@ -4,11 +4,11 @@
 //! T = integral over a revolution of  sqrt(M(a) / 2 (E - V(a))) da
 //! a = end +- x,    x = l / (1 + exp(-pi sinh t)),    t in equal steps
 //! ```
-//! `a` the crank's angle, `M` its inertia (kg m^2), `V` the potential energy (J), `E` the energy: where E is
-//! above V all the way, the crank goes round in the time T. It is slow near the top of V, the slower the
-//! less E is above it, and there the angles of the sum lie close together, as they do at angles where bars are
-//! told to turn fast: these are the ends, `2 l` apart. Its steps are halved until it stands. Source of the sum: Takahasi and Mori, Double exponential formulas for numerical integration
-//! (1974).
+//! `a` the crank's angle, `M` its inertia (kg m^2), `V` the potential energy (J), `E` the energy: where E is above V
+//! all the way, the crank goes round in the time T. It is slow near the top of V, the slower the less E is above it,
+//! and there the angles of the sum lie close together, as they do at angles where bars are told to turn fast: these
+//! are the ends, `2 l` apart. Its steps are halved until it stands. Source of the sum: Takahasi and Mori, Double
+//! exponential formulas for numerical integration (1974).
 
 use std::f64::consts::{PI, TAU};
 

@@ -36,7 +36,7 @@ const APART: f64 = 0.1;
 /// Parts of a swing in which the closed form looks for an end of slip.
 const PARTS: f64 = 500.0;
 
-/// The pull `SIZE sin(OMEGA t)` along the table; what it is told to leave of its means unsaid.
+/// The pull `SIZE sin(OMEGA t)` along the table, which may keep to itself by how much it leaves its mean.
 #[derive(Clone, Copy)]
 struct Pull {
     mean: f64,
