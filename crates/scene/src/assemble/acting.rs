@@ -189,7 +189,7 @@ impl Acting {
     fn hold_back(&mut self, end: End, (now, h): (f64, f64), q: &[f64], p: &mut [f64]) {
         let Acting { acts, dampers, inverse, each, works, .. } = self;
         if end == End::Start {
-            dampers.hold_back((now, 0.5 * h), (q, *each), (p, inverse), false, works);
+            dampers.hold_back((now, 0.5 * h), (q, *each), (p, inverse), end, works);
         }
         for act in acts.iter() {
             let What::Frame(frame) = act.what else { continue };
@@ -199,7 +199,7 @@ impl Acting {
             }
         }
         if end == End::Finish {
-            dampers.hold_back((now, 0.5 * h), (q, *each), (p, inverse), true, works);
+            dampers.hold_back((now, 0.5 * h), (q, *each), (p, inverse), end, works);
         }
     }
 
@@ -267,7 +267,7 @@ impl Acting {
         given.dim = self.inverse.len();
         let p = &p[..given.dim];
         let at = (q, self.each);
-        let (found, pulls) = self.dampers.find((t, h), at, (p, &self.inverse), false);
+        let (found, pulls) = self.dampers.find((t, h), at, (p, &self.inverse), End::Start);
         let mut found = found.iter();
         for act in &self.acts {
             let scale = h * act.strength.mean(t, t + h);

@@ -13,7 +13,7 @@
 use std::collections::BTreeMap;
 
 use super::rate::{Rate, RateNow};
-use super::{Act, What, shifts};
+use super::{Act, End, What, shifts};
 
 /// The rounding to which rates are solved, and the most iterations a damper, and beside.
 const ROUNDING: f64 = 1e-16;
@@ -84,21 +84,20 @@ impl Dampers {
         Dampers { drag, all, groups, felt: pulls.clone(), pulls }
     }
 
-    /// Finds the impulses of dampers over a time `h`, and what all give to freedoms, where momenta are those at the
-    /// start or, backward, at the end.
+    /// Finds the impulses of dampers over a time `h` at an end of a step, and what all give to freedoms.
     pub(super) fn find(
         &mut self,
         (t, h): (f64, f64),
         (q, each): (&[f64], usize),
         (p, inverse): (&[f64], &[f64]),
-        backward: bool,
+        end: End,
     ) -> (&[Held], &[f64]) {
         let Dampers { drag, all, groups, pulls, felt } = self;
         if all.is_empty() {
             return (all, pulls);
         }
         felt.copy_from_slice(inverse);
-        if let Some((_, drag)) = drag.as_ref().filter(|_| !backward) {
+        if let Some((_, drag)) = drag.as_ref().filter(|_| end == End::Start) {
             felt.iter_mut().zip(drag).for_each(|(felt, drag)| *felt /= 1.0 + h * drag * *felt);
         }
         for held in all.iter_mut() {
@@ -106,11 +105,11 @@ impl Dampers {
             [held.own, ..] = held.now.of_momenta(p, inverse);
             [_, held.whole, held.yields] = held.now.of_momenta(p, felt);
             let x = h * held.viscosity;
-            let after = if backward { 1.0 } else { 1.0 + x * held.yields };
+            let after = if end == End::Start { 1.0 + x * held.yields } else { 1.0 };
             held.impulse = -x * held.whole / after;
             held.root = x.sqrt();
         }
-        if !backward {
+        if end == End::Start {
             let shared = groups.iter().filter(|group| group.len() > 1);
             shared.for_each(|group| together(all, group, pulls, felt));
         }
@@ -125,17 +124,20 @@ impl Dampers {
         (t, h): (f64, f64),
         at: (&[f64], usize),
         (p, inverse): (&mut [f64], &[f64]),
-        backward: bool,
+        end: End,
         works: &mut [f64],
     ) {
-        self.find((t, h), at, (p, inverse), backward);
+        self.find((t, h), at, (p, inverse), end);
         for (freedom, (p, pull)) in p.iter_mut().zip(&self.pulls).enumerate() {
             let Some((act, drag)) = &self.drag else {
                 *p += pull;
                 continue;
             };
             let y = h * drag[freedom] * inverse[freedom];
-            let after = if backward { *p * (1.0 - y) + pull } else { (*p + pull) / (1.0 + y) };
+            let after = match end {
+                End::Start => (*p + pull) / (1.0 + y),
+                End::Finish => *p * (1.0 - y) + pull,
+            };
             works[*act] += 0.5 * inverse[freedom] * (after - *p - pull) * (after + *p);
             *p = after;
         }
@@ -243,7 +245,7 @@ mod tests {
             let energy = |p: &[f64]| p.iter().zip(&inverse).map(|(p, i)| 0.5 * p * p * i).sum::<f64>();
             let (mut after, mut works) = (p, vec![0.0; acts.len()]);
             let mut dampers = Dampers::of(&acts, 8, (1, 1));
-            dampers.hold_back((0.0, 1.0), (&[], 1), (&mut after, &inverse), false, &mut works);
+            dampers.hold_back((0.0, 1.0), (&[], 1), (&mut after, &inverse), End::Start, &mut works);
             let brought: f64 = works.iter().sum();
             prop_assert!((energy(&after) - energy(&p) - brought).abs() <= 1e-12 * energy(&p));
             let largest = dampers.all.iter().map(|held| (held.root * held.whole).abs()).fold(0.0, f64::max);
@@ -252,7 +254,7 @@ mod tests {
                 prop_assert!((held.root * rate + held.impulse / held.root).abs() <= 1e-10 * largest);
             }
             // Backward it is undone.
-            dampers.hold_back((0.0, -1.0), (&[], 1), (&mut after, &inverse), true, &mut works);
+            dampers.hold_back((0.0, -1.0), (&[], 1), (&mut after, &inverse), End::Finish, &mut works);
             let off = after.iter().zip(&p).zip(&inverse).map(|((a, b), i)| (a - b).abs() * i.sqrt());
             prop_assert!(off.fold(0.0, f64::max) <= 1e-6 * energy(&p).sqrt());
         }
