@@ -353,7 +353,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
         let mut round = 1;
         let mut report = loop {
             let mut report = self.solve_round(state, h, round)?;
-            let unseen = self.unseen(&state.q, h)?;
+            let unseen = self.unseen(&state.q, h, report.residual)?;
             let missed = unseen > report.residual;
             let missed = self.find_meeting(&state.q, h) || missed;
             if round == ROUNDS || !missed {

@@ -140,6 +140,18 @@ impl<G: Dimension> ContactCache<G> {
         q: &[f64],
         reach: &[f64],
     ) -> Result<(), ContactError> {
+        self.detect_of(detector, states, q, reach, |_| true)
+    }
+
+    /// The same for pairs of bodies of which these are; what is kept of the others stays.
+    pub(crate) fn detect_of(
+        &mut self,
+        detector: &mut DetectorIn<G>,
+        states: &[BodyState<G>],
+        q: &[f64],
+        reach: &[f64],
+        asked: impl Fn(usize) -> bool,
+    ) -> Result<(), ContactError> {
         let of = |body: Option<usize>| body.map_or(0.0, |body| reach[body]);
         detector.find_candidates(q, |body| BROADER * of(body))?;
         std::mem::swap(&mut self.pairs, &mut self.last);
@@ -152,6 +164,10 @@ impl<G: Dimension> ContactCache<G> {
                 spare.push(gone.points);
             }
             let bodies = [a, b].map(|i| detector.colliders()[i].body());
+            if !bodies.iter().flatten().any(|&body| asked(body)) {
+                self.pairs.extend(last.next_if(|kept| kept.colliders == [a, b]));
+                continue;
+            }
             let two = Two::of(bodies, states, q);
             let margin = of(bodies[0]) + of(bodies[1]);
             if let Some(kept) = last.next_if(|kept| kept.colliders == [a, b]) {

@@ -42,6 +42,8 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) room: MeetRoom<G>,
     /// What comes within reach of bodies that are faster than was foreseen.
     pub(super) unseen: Vec<ContactIn<G>>,
+    /// Which bodies go farther than was looked at.
+    pub(super) widened: Vec<bool>,
     /// What contacts pushed in the round before.
     pub(super) again: WarmStart<G>,
     pub(super) scales: Vec<G::Velocity>,
@@ -90,6 +92,7 @@ impl<G: Dimension> Memory<G> {
             meeting: Vec::new(),
             room: MeetRoom::default(),
             unseen: Vec::new(),
+            widened: Vec::new(),
             again: WarmStart::default(),
             scales,
             states: Vec::new(),

@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! r_a = h (|v_a| + |dv_a|) + 1e-6 R_a,   g <= r_a + r_b           what is looked at
-//! |h v_a| > r_a:   r_a <- 3/2 |h v_a|,   max (-n.(v_2 - v_1) - max(g, 0)/h)       over what comes within reach
+//! |h v_a| > r_a + h e/2:   r_a <- 3/2 |h v_a|
+//! max (-n.(v_2 - v_1) - max(g, 0)/h)                              over what comes within reach
 //! ```
 //! `v_a` the speed of the fastest point of body `a` (m/s), before the step above and after it below, `dv_a` the
-//! velocity increment, `R_a` its radius (m). A body that an impulse makes faster than was foreseen may close gaps
-//! that nobody looked at: by how much at most is a part of the residual, or the step is solved again.
+//! velocity increment, `R_a` its radius (m), `e` what is left of the conditions of what was looked at (m/s). A body
+//! that an impulse makes faster than was foreseen may close gaps that nobody looked at: by how much at most is a part
+//! of the residual, or the step is solved again.
 
 use stationary_calculus::Potential;
 
@@ -41,29 +43,31 @@ impl<G: Dimension, P: Potential> World<G, P> {
         }));
     }
 
-    /// How fast the fastest contact closes that nobody looked at, m/s: of what is faster than was foreseen, whose
-    /// reach is widened.
-    pub(super) fn unseen(&mut self, q: &[f64], h: f64) -> Result<f64, ContactError> {
+    /// How fast the fastest contact closes that nobody looked at, m/s, if faster than what is `left` of those that
+    /// were: of what is faster than was foreseen, whose reach is widened.
+    pub(super) fn unseen(&mut self, q: &[f64], h: f64, left: f64) -> Result<f64, ContactError> {
         let World { detector, kept, memory, .. } = self;
-        let Memory { v, reach, states, after, passing, unseen, joints, .. } = memory;
-        let mut widened = false;
+        let Memory { v, reach, states, after, passing, unseen, widened, joints, .. } = memory;
+        widened.clear();
         // Where nothing pushes nothing is faster than was foreseen, and no velocity of a point is known.
         if kept.found().is_empty() && joints.rows() == 0 {
             return Ok(0.0);
         }
         for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach.iter_mut()).enumerate() {
             let way = h * speed::<G>(v, detector.reach_of(body));
-            if way > *reach {
+            // Two that go no farther than this beyond their reach close no faster than what is left.
+            let farther = way > *reach + 0.5 * left * h;
+            if farther {
                 *reach = WIDENED * way;
-                widened = true;
             }
+            widened.push(farther);
         }
-        if !widened {
+        if !widened.contains(&true) {
             return Ok(0.0);
         }
         let seen = kept.take_found();
         kept.put_back(std::mem::take(unseen));
-        let detected = kept.detect(detector, states, q, reach);
+        let detected = kept.detect_of(detector, states, q, reach, |body| widened[body]);
         *unseen = kept.take_found();
         let looked_at = |contact: &ContactIn<G>| {
             let moves = |&body: &usize| states[body].moves();
