@@ -18,7 +18,7 @@ use crate::solve::exact_projection::{FreeMotion, Room};
 use crate::solve::friction::into_cone;
 use crate::solve::polish::Polish;
 use crate::solve::rigid_contact::RigidContact;
-use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, PROXIMAL_COST, Sweeps};
+use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
 use crate::{ContactError, ContactIn, Dimension, WorldReport};
 
@@ -60,10 +60,14 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
     fn change(&self, body: usize) -> &G::Velocity;
 }
 
-/// The contacts of one island, packed, and their impulses.
+/// The contacts of the islands of a step, packed, and the impulses of one.
 #[derive(Debug)]
 pub struct IslandSolver<V, const F: usize, const D: usize> {
     contacts: Vec<RigidContact<F, D>>,
+    /// Where those of each island that was solved begin, by the number of its first, in ascending order.
+    begin: Vec<(usize, usize)>,
+    /// Where those of the island in question begin.
+    from: usize,
     directions: Vec<[V; D]>,
     x: Vec<[f64; D]>,
     sweeps: Sweeps<F, D>,
@@ -77,6 +81,8 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
     fn default() -> Self {
         IslandSolver {
             contacts: Vec::new(),
+            begin: Vec::new(),
+            from: 0,
             directions: Vec::new(),
             x: Vec::new(),
             sweeps: Sweeps::default(),
@@ -103,6 +109,8 @@ pub struct Overlaps<'a, G: Dimension> {
     pub(crate) bias: &'a [f64],
     pub(crate) least: &'a [f64],
     pub(crate) states: &'a [BodyState<G>],
+    /// Whether they are of a pile.
+    pub(crate) of_pile: bool,
 }
 
 /// What may be left, m/s.
@@ -139,8 +147,11 @@ const VISITS_PAST_ENOUGH: usize = 100_000;
 /// Where the heaviest body of an island is so many times heavier than the lightest, a velocity that is rounding
 /// to the lightest is energy to the heaviest: such islands are refined.
 const MASS_RATIO: f64 = 100.0;
-/// The most sweeps that push apart what overlaps: the next step goes on.
+/// The most sweeps that push apart what overlaps, and in a pile: the next step goes on.
 const LIFTS: usize = 20;
+const LIFTS_OF_PILE: usize = 4;
+/// What moves in a pile is asked for few digits: no proximal steps are taken where fewer sweeps than this would do.
+const SWEEPS_OF_PILE: f64 = 100.0;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
 /// only its impulses are good enough to be kept.
 const NEARLY_SETTLED: f64 = 30.0;
@@ -151,6 +162,8 @@ macro_rules! solves_islands {
         impl SolvesIslands<$dimension> for IslandSolver<$vector, $freedoms, $directions> {
             fn start(&mut self, bodies: usize) {
                 self.sweeps.start(bodies);
+                self.contacts.clear();
+                self.begin.clear();
             }
 
             fn solve(
@@ -204,6 +217,7 @@ where
     {
         let Conditions { free, states, within } = conditions;
         self.pack::<G>(members, free.points, free.bias, states)?;
+        self.begin.extend(members.first().map(|&first| (first, self.from)));
         self.x.clear();
         for (&i, directions) in members.iter().zip(&self.directions) {
             let guess: [f64; D] = array(|k| G::dot(&impulses[i], &directions[k]));
@@ -211,7 +225,7 @@ where
             self.x.push(into_cone(guess, free.points[i].friction));
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
-        let island = Island { contacts: &self.contacts, bodies };
+        let island = Island { contacts: &self.contacts[self.from..], bodies };
         sweeps.push(island, x);
         let mut left = sweeps.residuals(island, x);
         let settled = within.settled;
@@ -224,7 +238,7 @@ where
             across[0] = 0.0;
             contact.speed(&across)
         };
-        let mut rubs = self.contacts.iter().zip(x.iter()).map(rubs);
+        let mut rubs = self.contacts[self.from..].iter().zip(x.iter()).map(rubs);
         let smooth = left[1] <= settled && rubs.all(|speed| speed <= settled);
         let room = &mut self.exact;
         if !met(&left) && smooth && free.project(members, island, x, sweeps, room)? {
@@ -240,12 +254,12 @@ where
             report.solved += solved;
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
-        let island = Island { contacts: &self.contacts, bodies };
+        let island = Island { contacts: &self.contacts[self.from..], bodies };
         if members.len() <= POLISHED && unequal::<G>(bodies, states) {
             report.solved += self.polish.refine(sweeps, island, x);
         }
         // Changes leave their rounding in impulses, which is large for those that have become small.
-        for (x, contact) in x.iter_mut().zip(&self.contacts) {
+        for (x, contact) in x.iter_mut().zip(island.contacts) {
             *x = into_cone(*x, contact.friction);
         }
         sweeps.refresh(island, x);
@@ -253,7 +267,7 @@ where
         if sweeps.bound_energy(island, x, free.bias, members) {
             left = sweeps.residuals(island, x);
         }
-        let pushed = self.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
+        let pushed = island.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
         self.rounding = IMPULSE_ROUNDING * pushed.fold(0.0, f64::max);
         for ((&i, directions), x) in members.iter().zip(&self.directions).zip(x) {
             let along = |k: usize| directions[k] * x[k];
@@ -265,14 +279,19 @@ where
     fn lift_contacts<G>(
         &mut self,
         [members, bodies]: [&[usize]; 2],
-        Overlaps { points, bias, least, states }: Overlaps<G>,
+        Overlaps { points, bias, least, states, of_pile }: Overlaps<G>,
         settled: f64,
     ) -> Result<(), ContactError>
     where
         G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
     {
-        self.pack::<G>(members, points, bias, states)?;
-        for (contact, &i) in self.contacts.iter_mut().zip(members) {
+        let known = |first| self.begin.binary_search_by_key(first, |(first, _)| *first).ok();
+        match members.first().and_then(known) {
+            Some(island) => self.from = self.begin[island].1,
+            None => self.pack::<G>(members, points, bias, states)?,
+        }
+        let contacts = &mut self.contacts[self.from..][..members.len()];
+        for (contact, &i) in contacts.iter_mut().zip(members) {
             contact.friction = 0.0;
             contact.offset = [0.0; D];
             contact.offset[0] = bias[i];
@@ -280,18 +299,19 @@ where
         bodies.iter().for_each(|&body| self.sweeps.w[body] = [0.0; F]);
         self.x.clear();
         self.x.resize(members.len(), [0.0; D]);
-        let island = Island { contacts: &self.contacts, bodies };
-        if members.len() <= POLISHED {
-            let goal = Goal { change: settled, residual: f64::INFINITY, alone: PROXIMAL_COST };
+        let island = Island { contacts, bodies };
+        if members.len() <= POLISHED && !of_pile {
+            let goal = Goal { residual: f64::INFINITY, ..Goal::moving(settled) };
             self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
         } else {
             // The pattern of a large system would be found twice a step.
-            let mut sweeps = (0..LIFTS).map(|_| self.sweeps.sweep(island, &mut self.x).fastest);
+            let most = if of_pile { LIFTS_OF_PILE } else { LIFTS };
+            let mut sweeps = (0..most).map(|_| self.sweeps.sweep(island, &mut self.x).fastest);
             sweeps.any(|fastest| fastest <= settled);
         }
         // What few sweeps have not settled must not press others deeper into each other.
-        let (mut part, contacts) = (1.0_f64, &self.contacts);
-        for (contact, &i) in contacts.iter().zip(members) {
+        let mut part = 1.0_f64;
+        for (contact, &i) in island.contacts.iter().zip(members) {
             let change = contact.rates(&self.sweeps.w)[0] - bias[i];
             let room = (bias[i] - least[i]).max(0.0) + settled;
             if change < 0.0 {
@@ -315,11 +335,13 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     /// Settles an island of a pile as far as asked, and what nearly rests a little finer in every step, until it
     /// rests; says how many contacts were relaxed, and how many systems solved.
     fn settle_of_pile(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, x, sweeps, parts, polish, .. } = self;
-        let island = Island { contacts, bodies };
+        let IslandSolver { contacts, from, x, sweeps, parts, polish, .. } = self;
+        let island = Island { contacts: &contacts[*from..], bodies };
         let Within { settled, reached, fine, .. } = within;
         let held = fine.map_or(0, |change| sweeps.hold(island, x, change));
-        let [mut relaxed, mut solved] = parts.settle(sweeps, island, x, [settled, reached], SWEEPS);
+        let alone = if fine.is_some() { Goal::moving(settled).alone } else { SWEEPS_OF_PILE };
+        let goal = Goal { change: settled, residual: reached, alone };
+        let [mut relaxed, mut solved] = parts.settle(sweeps, island, x, goal, SWEEPS);
         solved += held;
         if let Some(change) = fine {
             let more = sweeps.rest(island, x, change);
@@ -334,11 +356,10 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     /// Settles an island whose work need not be shared: to rounding where it is small, and by all means where
     /// what is left is more than asked.
     fn settle_alone(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, x, sweeps, parts, polish, .. } = self;
-        let island = Island { contacts, bodies };
-        let n = contacts.len();
+        let IslandSolver { contacts, from, x, sweeps, parts, polish, .. } = self;
+        let island = Island { contacts: &contacts[*from..], bodies };
+        let n = island.contacts.len();
         let Within { settled, enough, still, reached, fine, .. } = within;
-        let changes = [settled, AMPLIFICATION * settled];
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= fine.unwrap_or(settled));
         let finer = enough > settled || fine.is_some();
         let most = if finer { VISITS_PAST_ENOUGH.div_ceil(n) } else { SWEEPS };
@@ -347,9 +368,8 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
             Some(change) => {
                 // From rough sweeps on, as sweeps leave what they change slowly, and it would move what is to rest.
                 let rough = settled.max(still);
-                let changes = [rough, AMPLIFICATION * rough];
                 let held = if n > POLISHED { sweeps.hold(island, x, change) } else { 0 };
-                let first = parts.settle(sweeps, island, x, changes, SWEEPS);
+                let first = parts.settle(sweeps, island, x, Goal::moving(rough), SWEEPS);
                 let then = sweeps.rest(island, x, change);
                 let last = match met(&sweeps.residuals(island, x)) {
                     true => [0; 2],
@@ -357,13 +377,13 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
                 };
                 [first[0] + then[0] + last[0], held + first[1] + then[1] + last[1]]
             }
-            None if small => parts.settle(sweeps, island, x, changes, FIRST_SWEEPS),
-            None => parts.settle(sweeps, island, x, changes, most),
+            None if small => parts.settle(sweeps, island, x, Goal::moving(settled), FIRST_SWEEPS),
+            None => parts.settle(sweeps, island, x, Goal::moving(settled), most),
         };
         solved += polish.polish(sweeps, island, x, (SMALL, reached));
         let mut left = sweeps.residuals(island, x);
         if small && !met(&left) {
-            let more = parts.settle(sweeps, island, x, changes, most);
+            let more = parts.settle(sweeps, island, x, Goal::moving(settled), most);
             (relaxed, solved) = (relaxed + more[0], solved + more[1]);
         }
         left = sweeps.residuals(island, x);
@@ -377,8 +397,7 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
             left = sweeps.residuals(island, x);
         }
         if left.iter().any(|left| *left > AMPLIFICATION * enough) {
-            let changes = [enough, AMPLIFICATION * enough];
-            let more = parts.settle(sweeps, island, x, changes, SWEEPS);
+            let more = parts.settle(sweeps, island, x, Goal::moving(enough), SWEEPS);
             (relaxed, solved) = (relaxed + more[0], solved + more[1]);
         }
         [relaxed, solved]
@@ -394,7 +413,7 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     where
         G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
     {
-        self.contacts.clear();
+        self.from = self.contacts.len();
         self.directions.clear();
         for &i in members {
             let point = &points[i];

@@ -46,7 +46,7 @@ const HOLDING_REDUCTION: f64 = 0.5;
 /// A sparse system takes as long as so many sweeps.
 pub(crate) const SYSTEM_COST: usize = 8;
 /// A proximal step takes as long as so many sweeps.
-pub(crate) const PROXIMAL_COST: f64 = 30.0;
+const PROXIMAL_COST: f64 = 30.0;
 
 /// Energy given by impulses that is rounding, relative to theirs.
 pub(crate) const ENERGY_ROUNDING: f64 = 1e-9;
@@ -82,6 +82,17 @@ pub(crate) struct Goal {
 }
 
 impl Goal {
+    /// What moves takes them where sweeps would take longer.
+    pub(crate) fn moving(change: f64) -> Self {
+        Goal { change, residual: AMPLIFICATION * change, alone: PROXIMAL_COST }
+    }
+
+    /// Whether sweeps alone will do, at their rate: after a change, and the energy of the one before.
+    pub(crate) fn is_soon(&self, change: &Change, last: f64) -> bool {
+        let rate = (change.energy / last).sqrt();
+        rate < 1.0 && (self.change / change.fastest).ln() / rate.ln() < self.alone
+    }
+
     /// What is to rest takes proximal steps from the first.
     pub(crate) fn at_rest(change: f64) -> Self {
         Goal { change, residual: AMPLIFICATION * change, alone: 0.0 }
@@ -93,7 +104,7 @@ pub(crate) struct Change {
     /// The most at one contact, as a velocity, m/s.
     pub(crate) fastest: f64,
     /// Of all, J.
-    energy: f64,
+    pub(crate) energy: f64,
 }
 
 impl<const F: usize, const D: usize> Sweeps<F, D> {
@@ -180,13 +191,11 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
             {
                 return [sweep * x.len(), solved];
             }
-            let Change { fastest, energy } = change;
+            let energy = change.energy;
             if stepped && energy > MIN_REDUCTION * last {
                 (wait, patience) = (patience, 2 * patience);
             }
-            let rate = (energy / last).sqrt();
-            let sweeps = (goal.change / fastest).ln() / rate.ln();
-            let soon = !stepped && rate < 1.0 && sweeps < goal.alone;
+            let soon = !stepped && goal.is_soon(&change, last);
             last = energy;
             stepped = wait == 0 && !soon;
             if stepped {
@@ -269,16 +278,49 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
 
     /// Relaxes each contact once.
     pub(crate) fn sweep(&mut self, island: Island<F, D>, x: &mut [[f64; D]]) -> Change {
-        let (mut fastest, mut energy) = (0.0_f64, 0.0);
-        self.changes.clear();
+        let Sweeps { w, changes, .. } = self;
+        let mut change = Change::NONE;
+        changes.clear();
         for (contact, x) in island.contacts.iter().zip(x) {
-            let change = contact.relax(x, &mut self.w);
-            let speed = contact.speed(&change);
-            self.changes.push(speed);
-            fastest = fastest.max(speed);
-            energy += contact.energy(&change);
+            changes.push(change.relax(contact, x, w));
         }
-        Change { fastest, energy }
+        change
+    }
+
+    /// Relaxes each of these contacts once.
+    pub(crate) fn sweep_of(
+        &mut self,
+        members: &[usize],
+        island: Island<F, D>,
+        x: &mut [[f64; D]],
+    ) -> Change {
+        let Sweeps { w, changes, .. } = self;
+        let mut change = Change::NONE;
+        changes.clear();
+        changes.resize(x.len(), 0.0);
+        for &i in members {
+            changes[i] = change.relax(&island.contacts[i], &mut x[i], w);
+        }
+        change
+    }
+}
+
+impl Change {
+    const NONE: Self = Change { fastest: 0.0, energy: 0.0 };
+
+    /// Relaxes a contact; says what that changed there, m/s.
+    #[inline]
+    fn relax<const F: usize, const D: usize>(
+        &mut self,
+        contact: &RigidContact<F, D>,
+        x: &mut [f64; D],
+        w: &mut [[f64; F]],
+    ) -> f64 {
+        let change = contact.relax(x, w);
+        let speed = contact.speed(&change);
+        self.fastest = self.fastest.max(speed);
+        self.energy += contact.energy(&change);
+        speed
     }
 }
 

@@ -1,21 +1,23 @@
 //! The parts of an island that are not settled yet, each settled on its own.
 //!
 //! ```text
-//! sweep over the island,   U = { i : a body of i is one of j's, |dx_j| > s }
-//! each part of U that hangs together by x_j > 0:
-//!     sweeps and proximal steps, the other impulses kept;   and again
+//! sweep over the island,   U = { i : a body of i is one of j's, |dx_j| > s },   sweep over U,   ..
+//! where that would take long: each part of U that hangs together by x_j > 0:
+//!     sweeps and proximal steps, the other impulses kept
+//! sweep over the contacts of the bodies of parts;   and again
 //! ```
-//! `x_j` the impulse of a contact, `dx_j` what the sweep changed there and `s` what counts as
+//! `x_j` the impulse of a contact, `dx_j` what the last sweep changed there and `s` what counts as
 //! settled, as velocities (m/s). What happens in a heap happens in places: where a box has just
 //! landed. Each takes as many sweeps as it needs, and what it does to its surroundings, or to
-//! contacts that did not push, the next sweep over the whole island shows: descent by blocks of
-//! coordinates. Source: Bertsekas and Tsitsiklis 1989.
+//! contacts that did not push, the next sweep over all that touch its bodies shows: descent by blocks of
+//! coordinates. At the end all conditions of the island are looked at, and where they are not met, the whole
+//! island is swept again. Source: Bertsekas and Tsitsiklis 1989.
 
 use crate::solve::islands::Islands;
 use crate::solve::rigid_contact::RigidContact;
-use crate::solve::sweeps::{Goal, Island, PROXIMAL_COST, SYSTEM_COST, Sweeps};
+use crate::solve::sweeps::{Goal, Island, SYSTEM_COST, Sweeps};
 
-/// The most sweeps over a part before the whole island is looked at again.
+/// The most sweeps over a part before what is around it is looked at again.
 const ROUND: usize = 8;
 
 /// The parts of one island.
@@ -23,9 +25,13 @@ const ROUND: usize = 8;
 pub(crate) struct UnsettledParts<const F: usize, const D: usize> {
     /// The number of each body within the island; of what does not move, that of its bodies.
     number: Vec<usize>,
-    /// Whether a contact of each of its bodies is not settled.
-    unsettled: Vec<bool>,
-    /// The contacts of those bodies that push, and how they hang together.
+    /// The bodies of each contact by these numbers.
+    ends: Vec<[usize; 2]>,
+    /// Which bodies have changed.
+    changed: Vec<bool>,
+    /// All contacts of these.
+    around: Vec<usize>,
+    /// Those of them that push, and how they hang together.
     chosen: Vec<usize>,
     parts: Islands,
     part: Part<F, D>,
@@ -48,25 +54,40 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         sweeps: &mut Sweeps<F, D>,
         island: Island<F, D>,
         x: &mut [[f64; D]],
-        [settled, residual]: [f64; 2],
+        goal: Goal,
         bound: usize,
     ) -> [usize; 2] {
-        let goal = Goal { change: settled, residual, alone: PROXIMAL_COST };
+        let Goal { change: settled, residual, .. } = goal;
         let (n, mut relaxed, mut solved) = (x.len(), 0, 0);
         let work = |relaxed: usize, solved: usize| relaxed.div_ceil(n) + SYSTEM_COST * solved;
+        let (mut whole, mut last) = (true, f64::INFINITY);
+        self.ends.clear();
         // Systems of a part count as if they were of the whole island: there is a bound all the same.
         while work(relaxed, solved) < bound {
-            let change = sweeps.sweep(island, x);
-            relaxed += n;
+            let change = match whole {
+                true => sweeps.sweep(island, x),
+                false => sweeps.sweep_of(&self.around, island, x),
+            };
+            relaxed += if whole { n } else { self.around.len() };
             if sweeps.has_settled(&change, island, x, [settled, residual]) {
                 break;
             }
-            // The last sweep is over the whole island.
-            let most = ROUND.min(bound.saturating_sub(work(relaxed, solved) + 1));
-            if most == 0 {
+            // Nothing around the parts is unsettled, but something is not met: small changes have added up.
+            if !whole && change.fastest <= settled {
+                (whole, last) = (true, f64::INFINITY);
                 continue;
             }
-            self.find(island, x, sweeps, settled);
+            whole = false;
+            self.look_around(island, &sweeps.changes, settled);
+            let soon = goal.is_soon(&change, last);
+            last = change.energy;
+            // The last sweep is one that shows what parts do to each other.
+            let most = ROUND.min(bound.saturating_sub(work(relaxed, solved) + 1));
+            if soon || most == 0 {
+                continue;
+            }
+            last = f64::INFINITY;
+            self.find(island.bodies.len(), x);
             let UnsettledParts { chosen, parts, part, .. } = self;
             for (members, bodies) in parts.iter() {
                 let members = members.iter().map(|&member| chosen[member]);
@@ -86,28 +107,46 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         [relaxed, solved]
     }
 
-    /// Finds the parts after a sweep.
-    fn find(&mut self, island: Island<F, D>, x: &[[f64; D]], sweeps: &Sweeps<F, D>, settled: f64) {
+    /// Finds all contacts of bodies of those that a sweep has changed by more than what counts as settled.
+    fn look_around(&mut self, island: Island<F, D>, changes: &[f64], settled: f64) {
+        let UnsettledParts { number, ends, changed, .. } = self;
         let still = island.bodies.len();
-        self.number.resize(sweeps.w.len(), still);
-        island.bodies.iter().enumerate().for_each(|(i, &body)| self.number[body] = i);
-        self.number[sweeps.w.len() - 1] = still;
-        let number = |contact: &RigidContact<F, D>| contact.bodies.map(|body| self.number[body]);
-        self.unsettled.clear();
-        self.unsettled.resize(still + 1, false);
-        for (contact, &change) in island.contacts.iter().zip(&sweeps.changes) {
-            if change > settled {
-                number(contact).into_iter().for_each(|body| self.unsettled[body] = true);
-            }
+        if ends.is_empty() {
+            // What does not move has a number beyond those of all bodies.
+            let beyond = island.contacts.iter().flat_map(|contact| contact.bodies).max();
+            number.clear();
+            number.resize(beyond.map_or(0, |beyond| beyond + 1), still);
+            island.bodies.iter().enumerate().for_each(|(i, &body)| number[body] = i);
+            ends.extend(island.contacts.iter().map(|contact| contact.bodies.map(|b| number[b])));
         }
-        self.unsettled[still] = false;
-        let unsettled = |i: &usize| {
-            x[*i] != [0.0; D] && number(&island.contacts[*i]).iter().any(|&b| self.unsettled[b])
-        };
-        self.chosen.clear();
-        self.chosen.extend((0..island.contacts.len()).filter(unsettled));
-        let of = |&member: &usize| number(&island.contacts[member]);
-        self.parts.find(still, self.chosen.iter().map(of));
+        changed.clear();
+        changed.resize(still + 1, false);
+        for (ends, _) in ends.iter().zip(changes).filter(|(_, change)| **change > settled) {
+            ends.iter().for_each(|&body| changed[body] = true);
+        }
+        self.touching();
+    }
+
+    /// All contacts of bodies that have changed.
+    fn touching(&mut self) {
+        let UnsettledParts { ends, changed, around, .. } = self;
+        if let Some(still) = changed.last_mut() {
+            *still = false;
+        }
+        around.clear();
+        let touches = |ends: &[usize; 2]| ends.iter().any(|&body| changed[body]);
+        around.extend(ends.iter().enumerate().filter(|(_, ends)| touches(ends)).map(|(i, _)| i));
+    }
+
+    /// Finds the parts, and what is around them.
+    fn find(&mut self, still: usize, x: &[[f64; D]]) {
+        let UnsettledParts { ends, changed, around, chosen, parts, .. } = self;
+        chosen.clear();
+        chosen.extend(around.iter().filter(|&&i| x[i] != [0.0; D]));
+        let of = |&member: &usize| ends[member];
+        parts.find(still, chosen.iter().map(of));
+        chosen.iter().flat_map(of).for_each(|body| changed[body] = true);
+        self.touching();
     }
 }
 
@@ -121,8 +160,6 @@ mod tests {
     use crate::{ContactId, ContactPoint, Dimension, Spatial};
 
     const SETTLED: f64 = 1e-9;
-    const WITHIN: [f64; 2] = [SETTLED, 30.0 * SETTLED];
-    const GOAL: Goal = Goal { change: SETTLED, residual: WITHIN[1], alone: PROXIMAL_COST };
     const BOUND: usize = 10_000;
 
     /// Settles a row of bodies of 1 kg, each touching the next, which have these velocities along
@@ -168,7 +205,7 @@ mod tests {
 
     fn by_parts(before: &[f64], expected: &[f64]) -> [usize; 2] {
         settle(before, expected, |sweeps, island, x| {
-            UnsettledParts::default().settle(sweeps, island, x, WITHIN, BOUND)
+            UnsettledParts::default().settle(sweeps, island, x, Goal::moving(SETTLED), BOUND)
         })
     }
 
@@ -180,8 +217,9 @@ mod tests {
         let mut after = before.clone();
         after[197..].fill(999.0);
         let [relaxed, solved] = by_parts(&before, &after);
-        let whole =
-            settle(&before, &after, |sweeps, island, x| sweeps.alternate(island, x, GOAL, BOUND));
+        let whole = settle(&before, &after, |sweeps, island, x| {
+            sweeps.alternate(island, x, Goal::moving(SETTLED), BOUND)
+        });
         assert!(solved == 0 && whole[1] > 0, "{solved} {whole:?}");
         assert!(3 * relaxed < 2 * whole[0], "{relaxed} {whole:?}");
     }

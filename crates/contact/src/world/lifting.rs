@@ -6,6 +6,7 @@ use crate::solve::body_state::speed;
 use crate::solve::island_solver::{Overlaps, SolvesIslands};
 use crate::world::islands::has_joints;
 use crate::world::memory::Memory;
+use crate::world::tolerances::LARGE;
 use crate::{ContactError, ContactIn, DetectorIn, Dimension, World};
 
 /// The part of an overlap by which a step lifts: all of it at once would overshoot where gaps are
@@ -30,6 +31,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             &mut self.memory;
         let f = G::FREEDOMS;
         // No gap ends below what it was, nor below zero.
+        let of_pile = self.tolerance.is_none() && contacts.len() > LARGE;
         lift_least.clear();
         lift_least.extend(contacts.iter().map(|c| PENETRATION_CORRECTION * c.gap.min(0.0) / h));
         with_joints.clear();
@@ -45,7 +47,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             }
             let goal = settled.max(LIFT_TOLERANCE * worst);
             let overlaps =
-                Overlaps { points: contacts, bias: lift_bias, least: lift_least, states };
+                Overlaps { points: contacts, bias: lift_bias, least: lift_least, states, of_pile };
             solver.lift([members, bodies], overlaps, goal)?;
             for &body in bodies {
                 let (scale, change) = (states[body].scale.as_ref(), solver.change(body).as_ref());

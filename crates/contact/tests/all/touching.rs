@@ -204,7 +204,7 @@ fn a_pile_in_motion_is_settled_as_far_as_asked_and_hardly_farther() {
     }
     let sweeps = relaxed as f64 / contacts as f64;
     println!("{sweeps} sweeps and {solved} systems in a thousand steps leave {left:e} m/s");
-    assert!(left < 3e-3 && sweeps < 14.0 && solved < 100_000, "{left} {sweeps} {solved}");
+    assert!(left < 1e-2 && sweeps < 13.0 && solved < 100_000, "{left} {sweeps} {solved}");
 }
 
 /// A pile of more than a hundred contacts shares its work: what moves is settled to a quarter of a step's weight, or
