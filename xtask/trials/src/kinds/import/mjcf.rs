@@ -15,10 +15,10 @@ mod classes;
 pub const KIND: Kind = Kind {
     name: "robots-in-mjcf",
     krate: "import",
-    rule: "the scene of a random tree of bodies, in any order, its turns by any word, in degrees or radians, in frames, \
-           by classes in classes, weighed by moments, tensors or shapes, has a mass, a centre, an inertia tensor, a \
-           joint, an axis, a spring or a limit that is off by more than 1e-12 of its size, or has others; or \
-           something is left out",
+    rule: "the scene of a random tree of bodies, in any order, its turns by any word, in degrees or radians, \
+           in frames, by classes in classes, weighed by moments, tensors or shapes, has a mass, a centre, an \
+           inertia tensor, a joint, an axis, a spring or a limit that is off by more than 1e-12 of its size, or \
+           has others; or something is left out",
     in_tests: 500,
     trial,
 };
