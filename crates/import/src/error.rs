@@ -44,7 +44,7 @@ pub enum ImportError {
     /// Two parts have one name.
     #[error("{what} `{name}` is defined twice, or has a name that is taken")]
     Duplicate {
-        /// `link` or `body`.
+        /// `link`, `body`, `joint` or `geom`.
         what: &'static str,
         /// The name.
         name: String,
@@ -101,6 +101,16 @@ pub enum ImportError {
         /// What it is.
         what: &'static str,
         /// Whose.
+        name: String,
+    },
+    /// What the format itself does not allow.
+    #[error("{what} (`{name}`): {format} does not allow it")]
+    NotAllowed {
+        /// `URDF` or `MJCF`.
+        format: &'static str,
+        /// What it is.
+        what: &'static str,
+        /// Where it stands.
         name: String,
     },
     /// There is nothing that moves.

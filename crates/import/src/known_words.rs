@@ -1,6 +1,6 @@
 //! Words of MJCF that nothing here reads: told, unless they change no motion.
 
-use roxmltree::Node;
+use crate::unread::{Words, says};
 
 /// Elements that change no motion, or that are told or refused as a whole: nothing in them is looked at.
 const WHOLE: [&str; 23] = [
@@ -132,43 +132,21 @@ const SAID: [(&str, &str); 12] = [
 /// What changes nothing where it is zero.
 const UNLESS_ZERO: [&str; 5] = ["margin", "gap", "adhesion", "surfacevel", "springyield"];
 
-/// What nothing reads of a file: elements, and what the others say; `place` names an element.
-pub(crate) fn unread(root: Node<'_, '_>, place: impl Fn(Node<'_, '_>) -> String) -> Vec<String> {
-    let (mut waiting, mut out) = (vec![root], Vec::new());
-    while let Some(node) = waiting.pop() {
-        let tag = node.tag_name().name();
-        out.extend(said(node).map(|said| format!("`{said}` of {}", place(node))));
-        let of = |all: &[(&str, &'static [&'static str])]| {
-            all.iter().find(|(name, _)| *name == tag).map_or(&[][..], |(_, inside)| inside)
-        };
-        let (inside, alone) = (of(&INSIDE), of(&ALONE));
-        let mut next = Vec::new();
-        for child in node.children().filter(Node::is_element) {
-            let name = child.tag_name().name();
-            if inside.contains(&name) {
-                next.push(child);
-            } else if !WHOLE.contains(&name) && !alone.contains(&name) {
-                out.push(format!("unknown element {}", place(child)));
-            }
-        }
-        // In the order of the file.
-        waiting.extend(next.into_iter().rev());
-    }
-    out
-}
+/// The words of MJCF.
+pub(crate) const MJCF: Words = Words {
+    inside: &INSIDE,
+    is_left_alone: |tag, child| {
+        let alone = ALONE.iter().any(|(name, alone)| *name == tag && alone.contains(&child));
+        alone || WHOLE.contains(&child)
+    },
+    is_read,
+};
 
-/// What nothing reads of what an element says.
-fn said<'a>(node: Node<'a, '_>) -> impl Iterator<Item = &'a str> {
-    let tag = node.tag_name().name();
-    let own = SAID.iter().find(|(name, _)| *name == tag).map_or("", |(_, said)| said);
+/// Whether what an element says is read, or changes no motion.
+fn is_read(tag: &str, word: &str, value: &str) -> bool {
     let posed = ["body", "frame", "geom", "inertial"].contains(&tag);
-    let zero = |text: &str| text.split_whitespace().all(|x| x.parse() == Ok(0.0));
-    let is_read = move |said: &str, value: &str| {
-        ANYWHERE.contains(&said)
-            || (posed && POSE.contains(&said))
-            || own.split_whitespace().any(|word| word == said)
-            || (UNLESS_ZERO.contains(&said) && zero(value))
-    };
-    let unread = node.attributes().filter(move |said| !is_read(said.name(), said.value()));
-    unread.map(|said| said.name())
+    ANYWHERE.contains(&word)
+        || (posed && POSE.contains(&word))
+        || says(&SAID, tag, word)
+        || (UNLESS_ZERO.contains(&word) && value.split_whitespace().all(|x| x.parse() == Ok(0.0)))
 }

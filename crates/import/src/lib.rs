@@ -34,10 +34,16 @@ mod robot;
 mod text;
 #[cfg(feature = "urdf")]
 mod urdf;
+#[cfg(feature = "urdf")]
+mod urdf_words;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+#[cfg(any(feature = "urdf", feature = "mjcf"))]
+mod unread;
 #[cfg(feature = "mjcf")]
 mod known_words;
+#[cfg(feature = "mjcf")]
+mod not_allowed;
 #[cfg(feature = "mjcf")]
 mod passed_over;
 #[cfg(feature = "mjcf")]

@@ -4,10 +4,10 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
-use mjcf_rs::Model;
 use mjcf_rs::body::{Body, Geom, GeomType, InertiaSpec, Joint, JointType};
 use mjcf_rs::compiler::InertiaFromGeom;
 use mjcf_rs::equality::Equality;
+use mjcf_rs::{Model, Tristate};
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{LieGroup, RigidMotion, SpatialMass};
 
@@ -56,6 +56,10 @@ pub fn scene_of_mjcf(text: &str, folder: impl AsRef<Path>) -> Result<Description
     let planes = model.bodies.iter().flat_map(|entry| &entry.body.geoms);
     let planes = planes.filter(|geom| geom.type_ == GeomType::Plane).count();
     let names = scene_names("body", &[&[Some(WORLD)], &own[..]].concat(), planes)?;
+    let geoms = model.bodies.iter().flat_map(|entry| &entry.body.geoms);
+    let joints = model.bodies.iter().flat_map(|entry| &entry.body.joints);
+    each_once("geom", geoms.map(|geom| &geom.name))?;
+    each_once("joint", joints.map(|joint| &joint.name))?;
     // A parent stands before its children.
     let mut placed: Vec<(RigidMotion, String)> = Vec::with_capacity(model.bodies.len());
     let mut touching = Vec::new();
@@ -112,6 +116,19 @@ fn ground<'a>(
     Ok(())
 }
 
+/// Whether each of these names, where there is one, is another.
+fn each_once<'a>(
+    what: &'static str,
+    names: impl Iterator<Item = &'a Option<String>>,
+) -> Result<(), ImportError> {
+    let mut seen = HashSet::new();
+    let mut named = names.flatten().filter(|name| !name.is_empty());
+    match named.find(|name| !seen.insert(*name)) {
+        Some(name) => Err(ImportError::Duplicate { what, name: name.clone() }),
+        None => Ok(()),
+    }
+}
+
 /// The name that a body is given; an empty one is none.
 fn own_name(body: &Body) -> Option<&str> {
     body.name.as_deref().filter(|name| !name.is_empty())
@@ -147,6 +164,14 @@ fn place(
         });
     }
     let part = Part { name: name.clone(), pieces, outlines };
+    let not_allowed = |what| ImportError::NotAllowed { format: "MJCF", what, name: name.clone() };
+    if body.geoms.iter().any(|geom| geom.type_ == GeomType::Plane) {
+        return Err(not_allowed("a plane that moves"));
+    }
+    let free = body.joints.iter().any(|joint| joint.type_ == JointType::Free);
+    if free && model.bodies[id].parent != Some(0) {
+        return Err(not_allowed("a free joint within a body"));
+    }
     match &body.joints[..] {
         [] => {
             if let Some(above) = robot.part(parent) {
@@ -183,7 +208,8 @@ fn kind(
     if of_one {
         bounds.friction = joint.frictionloss;
     }
-    let limited = joint.limited.resolve(model.compiler.autolimits, joint.range.is_some());
+    let limited = limited(joint, model.compiler.autolimits)
+        .map_err(|what| ImportError::NotAllowed { format: "MJCF", what, name: name.clone() })?;
     let range = joint.range.filter(|_| of_one).map(|range| range.map(|limit| limit - joint.ref_));
     let most = if hinge { HALF_A_TURN } else { f64::INFINITY };
     let beyond = limited && !range.is_some_and(|range| bounds.take(range, most));
@@ -216,6 +242,21 @@ fn kind(
         }
     };
     Ok(kind.map(|kind| (kind, bounds)))
+}
+
+/// Whether a joint has limits: of what is not told, a range that does not grow is none.
+fn limited(joint: &Joint, autolimits: bool) -> Result<bool, &'static str> {
+    let [low, high] = joint.range.unwrap_or_default();
+    match (joint.type_, joint.limited) {
+        (JointType::Free, _) | (_, Tristate::False) => Ok(false),
+        (JointType::Ball, Tristate::True) => Ok(true),
+        (_, Tristate::True) if low < high => Ok(true),
+        (_, Tristate::True) => Err("limits that do not grow"),
+        (_, Tristate::Auto) if !autolimits && [low, high] != [0.0; 2] => {
+            Err("a range of which nothing says whether it limits")
+        }
+        (_, Tristate::Auto) => Ok(low < high),
+    }
 }
 
 /// Bodies by name; the world is the first.

@@ -8,9 +8,11 @@ use mjcf_rs::Model;
 use roxmltree::{Document, Node};
 
 use crate::ImportError;
-use crate::known_words::unread;
+use crate::known_words::MJCF;
+use crate::not_allowed::not_allowed;
 use crate::reading_order::{Before, late};
 use crate::turns::{TURNS, turn_refused};
+use crate::unread::unread;
 
 /// Forces of a medium.
 const MEDIUM: [&str; 3] = ["density", "viscosity", "wind"];
@@ -71,18 +73,18 @@ struct Attachable {
 
 /// What is said of a shape by itself or by a class.
 #[derive(Clone, Debug, Default)]
-struct Said {
+pub(crate) struct Said {
     /// Whether a place, a turn, two ends.
-    pose: [bool; 3],
+    pub(crate) pose: [bool; 3],
     /// How many numbers of its size.
     sizes: usize,
-    kind: Option<String>,
+    pub(crate) kind: Option<String>,
     mesh: bool,
 }
 
 /// What a class says of its shapes.
 #[derive(Clone, Debug, Default)]
-struct Class {
+pub(crate) struct Class {
     above: Option<String>,
     said: Said,
 }
@@ -143,9 +145,13 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
     }
     let read = files.iter().map(|file| document(&file.text)).collect::<Result<Vec<_>, _>>()?;
     let mut classes = HashMap::new();
-    for node in read.iter().flat_map(|document| document.root_element().children()) {
-        if node.has_tag_name("default") {
-            class(node, None, &mut classes);
+    for (file, document) in files.iter().zip(&read) {
+        for node in document.root_element().children().filter(|node| node.has_tag_name("default")) {
+            class(node, None, &mut classes).map_err(|node| ImportError::NotAllowed {
+                format: "MJCF",
+                what: "a class that is defined twice, or has no name",
+                name: file.place(node),
+            })?;
         }
     }
     let included = |file: usize, name: &str| {
@@ -160,13 +166,17 @@ fn model(first: File, above: &mut Above) -> Result<PassedOver, ImportError> {
     for (file, read) in files.iter().zip(&read) {
         for node in read.descendants().filter(Node::is_element) {
             let place = file.place(node);
+            if let Some(what) = not_allowed(node, &classes) {
+                return Err(ImportError::NotAllowed { format: "MJCF", what, name: place });
+            }
             let what = refused(node, &classes).or_else(|| turn_refused(node));
             if let Some(what) = what.or_else(|| class_refused(node, &classes)) {
                 return Err(ImportError::Unsupported { what, name: place });
             }
             told(node, &place, &mut out);
         }
-        out.left_out.extend(unread(read.root_element(), |node| file.place(node)));
+        let words = unread(read.root_element(), &MJCF, |node| file.place(node));
+        out.left_out.extend(words);
     }
     let mut attachable = HashMap::new();
     for Attachable { name, file } in parts {
@@ -218,8 +228,20 @@ fn said(geom: Node<'_, '_>) -> Said {
     }
 }
 
-fn class(node: Node<'_, '_>, above: Option<&str>, classes: &mut HashMap<String, Class>) {
-    let name = node.attribute("class").or(above).unwrap_or("main");
+/// Takes a class and those below it; else says which of them has a name that no class may have.
+fn class<'d, 'i>(
+    node: Node<'d, 'i>,
+    above: Option<&str>,
+    classes: &mut HashMap<String, Class>,
+) -> Result<(), Node<'d, 'i>> {
+    let own = node.attribute("class");
+    // The class of all may be told in parts.
+    let taken =
+        own.is_none_or(|name| name.is_empty() || name == "main" || classes.contains_key(name));
+    if above.is_some() && taken {
+        return Err(node);
+    }
+    let name = own.unwrap_or("main");
     let own = classes.entry(name.to_owned()).or_default();
     own.above = above.filter(|above| *above != name).map(str::to_owned);
     for geom in node.children().filter(|child| child.has_tag_name("geom")) {
@@ -232,12 +254,13 @@ fn class(node: Node<'_, '_>, above: Option<&str>, classes: &mut HashMap<String, 
         };
     }
     for below in node.children().filter(|child| child.has_tag_name("default")) {
-        class(below, Some(name), classes);
+        class(below, Some(name), classes)?;
     }
+    Ok(())
 }
 
 /// What a shape and its classes say, its own words first.
-fn levels(geom: Node<'_, '_>, classes: &HashMap<String, Class>) -> Vec<Said> {
+pub(crate) fn levels(geom: Node<'_, '_>, classes: &HashMap<String, Class>) -> Vec<Said> {
     let ambient = || geom.ancestors().find_map(|above| above.attribute("childclass"));
     let mut name = geom.attribute("class").or_else(ambient).unwrap_or("main");
     let mut out = vec![said(geom)];

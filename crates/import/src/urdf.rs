@@ -1,6 +1,7 @@
 //! URDF: links that joints hang on one another, each frame given in its parent's.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::iter;
 
 use nalgebra::{Matrix3, Vector3};
 use stationary_rigid::{LieGroup, RigidMotion, Rotation, SpatialMass};
@@ -10,6 +11,7 @@ use crate::robot::{
     Bounds, HALF_A_TURN, Kind, Link, Outline, Part, Robot, WORLD, axis_in_world, scene_names,
 };
 use crate::text::scene;
+use crate::urdf_words::{Source, Turned};
 use crate::{Description, ImportError};
 
 /// The step of the scene, s: the format has none.
@@ -17,13 +19,17 @@ const STEP: f64 = 1e-3;
 /// The weight of the scene, m/s^2: the format has none.
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// A frame in its parent's: turned about x, then about y, then about z.
-fn motion(pose: &Pose) -> RigidMotion {
+/// A frame in its parent's: turned by a quaternion, or about x, then about y, then about z.
+fn motion(pose: &Pose, turned: Option<Rotation>) -> RigidMotion {
+    let translation = Vector3::from(pose.xyz.0);
+    if let Some(rotation) = turned {
+        return RigidMotion { translation, rotation };
+    }
     let [roll, pitch, yaw] = pose.rpy.0;
     let turn = |axis: Vector3<f64>, angle: f64| Rotation::exp(axis * angle);
     let last = turn(Vector3::z(), yaw).compose(&turn(Vector3::y(), pitch));
     let rotation = last.compose(&turn(Vector3::x(), roll));
-    RigidMotion { translation: Vector3::from(pose.xyz.0), rotation }
+    RigidMotion { translation, rotation }
 }
 
 /// The scene of a robot in the Unified Robot Description Format: where it is with all joints at zero, at rest, under
@@ -33,6 +39,8 @@ fn motion(pose: &Pose) -> RigidMotion {
 /// # Errors
 /// [`ImportError`] of what is not read, names nothing, is no tree, has no mass, or cannot be told.
 pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
+    let source = Source::new(text)?;
+    let turned = source.turned()?;
     let read = urdf_rs::read_from_string(text)
         .map_err(|error| ImportError::Syntax { format: "URDF", message: error.to_string() })?;
     let title = if read.name.is_empty() { "robot" } else { &read.name };
@@ -46,11 +54,15 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
         walls: Vec::new(),
         apart: Vec::new(),
         friction: None,
-        left_out: Vec::new(),
+        left_out: source.unread(),
     };
     let own: Vec<_> = read.links.iter().map(|link| link.name.as_str()).collect();
     let index: HashMap<_, _> = own.iter().enumerate().map(|(k, &name)| (name, k)).collect();
     let names = scene_names("link", &own.into_iter().map(Some).collect::<Vec<_>>(), 0)?;
+    let mut seen = HashSet::new();
+    if let Some(joint) = read.joints.iter().find(|joint| !seen.insert(&joint.name)) {
+        return Err(ImportError::Duplicate { what: "joint", name: joint.name.clone() });
+    }
     // The joint that a link hangs on, and those that hang on it.
     let mut above: Vec<Option<usize>> = vec![None; read.links.len()];
     let mut below = vec![Vec::new(); read.links.len()];
@@ -81,12 +93,12 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
     let mut reached = 0;
     while let Some((k, pose, above)) = waiting.pop() {
         reached += 1;
-        let body = place(&mut robot, (&read.links[k], &names[k]), &pose, above)?;
+        let body = place(&mut robot, (k, &read.links[k], &names[k]), &turned, &pose, above)?;
         for &(j, child) in below[k].iter().rev() {
             let joint = &read.joints[j];
             waiting.push((
                 child,
-                pose.compose(&motion(&joint.origin)),
+                pose.compose(&motion(&joint.origin, turned.joints.get(j).copied().flatten())),
                 Some((joint, body.clone())),
             ));
         }
@@ -103,7 +115,8 @@ pub fn scene_of_urdf(text: &str) -> Result<Description, ImportError> {
 /// Puts a link where it is, with the joint that it hangs on; says of which body it is a part.
 fn place(
     robot: &mut Robot,
-    (link, name): (&urdf_rs::Link, &String),
+    (k, link, name): (usize, &urdf_rs::Link, &String),
+    turned: &Turned,
     pose: &RigidMotion,
     above: Option<(&urdf_rs::Joint, String)>,
 ) -> Result<String, ImportError> {
@@ -111,9 +124,11 @@ fn place(
     let moments = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
     let mass = link.inertial.mass.value;
     let own = SpatialMass { mass, centre: Vector3::zeros(), inertia: moments };
-    let pieces = vec![own.moved(&pose.compose(&motion(&link.inertial.origin)))];
+    let at = motion(&link.inertial.origin, turned.inertias.get(k).copied().flatten());
+    let pieces = vec![own.moved(&pose.compose(&at))];
     let mut outlines = Some(Vec::new());
-    for collision in &link.collision {
+    let touching = turned.touching.get(k).into_iter().flatten().copied().chain(iter::repeat(None));
+    for (collision, turned) in link.collision.iter().zip(touching) {
         let outline = match &collision.geometry {
             Geometry::Box { size } => Some(Outline::Box(size.0)),
             Geometry::Sphere { radius } => Some(Outline::Ball(*radius)),
@@ -121,7 +136,7 @@ fn place(
             Geometry::Capsule { radius, length } => Some(Outline::Capsule([*length, *radius])),
             _ => None,
         };
-        let at = pose.compose(&motion(&collision.origin));
+        let at = pose.compose(&motion(&collision.origin, turned));
         match (outline, &mut outlines) {
             (Some(outline), Some(outlines)) => outlines.push((outline, at)),
             _ => outlines = None,
@@ -163,7 +178,10 @@ fn place(
     let limits = [joint.limit.lower, joint.limit.upper];
     let turns = joint.joint_type == JointType::Revolute;
     let most = if turns { HALF_A_TURN } else { f64::INFINITY };
-    if (turns || joint.joint_type == JointType::Prismatic) && !bounds.take(limits, most) {
+    // Since version 1.2 a joint may have none.
+    let bounded = limits != [f64::NEG_INFINITY, f64::INFINITY];
+    let may = turns || joint.joint_type == JointType::Prismatic;
+    if may && bounded && !bounds.take(limits, most) {
         leave("limits");
     }
     let axis = || axis_in_world(&joint.name, pose, joint.axis.xyz.0);

@@ -21,6 +21,8 @@ pub mod modal;
 pub mod laplacian;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "import")]
+pub mod import;
 
 /// All kinds, a list a crate.
 pub(crate) const ALL: &[&[Kind]] = &[
@@ -43,4 +45,6 @@ pub(crate) const ALL: &[&[Kind]] = &[
     laplacian::KINDS,
     #[cfg(feature = "scene")]
     scene::KINDS,
+    #[cfg(feature = "import")]
+    import::KINDS,
 ];

@@ -30,7 +30,12 @@ fn no_kind_has_a_wrong_case() {
 fn what_trials_have_found_is_mended() {
     let mut wrong = Vec::new();
     for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("found")).unwrap() {
-        let text = fs::read_to_string(entry.unwrap().path()).unwrap();
+        let path = entry.unwrap().path();
+        // A crate whose trials are not compiled here has none.
+        if !Kind::all().any(|kind| path.file_stem().is_some_and(|krate| krate == kind.krate)) {
+            continue;
+        }
+        let text = fs::read_to_string(path).unwrap();
         for line in text.lines().filter(|line| !line.starts_with('#')) {
             let mut cells = line.split('\t');
             let (name, case) = (cells.next().unwrap(), cells.next().unwrap());

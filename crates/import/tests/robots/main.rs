@@ -3,4 +3,6 @@
 mod read_otherwise;
 mod refused;
 mod unread_words;
+mod urdf_words;
+mod not_allowed;
 mod run;

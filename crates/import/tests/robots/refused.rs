@@ -195,11 +195,11 @@ fn pairs_of_contact_and_friction_that_resists_turning_are_told() {
 }
 
 #[test]
-fn a_range_is_no_limit_where_the_compiler_says_so() {
-    let model = |limits: &str| {
+fn a_range_is_no_limit_where_the_joint_says_so() {
+    let model = |limited: &str| {
         let text = format!(
-            r#"<mujoco><compiler autolimits="{limits}"/><worldbody>
-              <body><joint axis="0 1 0" range="-10 10"/><geom size="0.1" pos="1 0 0"/></body>
+            r#"<mujoco><compiler autolimits="false"/><worldbody>
+              <body><joint axis="0 1 0" range="-10 10" limited="{limited}"/><geom size="0.1" pos="1 0 0"/></body>
               </worldbody></mujoco>"#
         );
         scene_of_mjcf(&text, ".").unwrap().text

@@ -13,7 +13,8 @@ use crate::text::suggestion::shortened;
 pub(crate) fn found(folder: Option<&Path>, file: &Spanned<String>) -> Checked<PathBuf> {
     let outside = || at(file.span(), Fault::OutsideFolder(shortened(file.get_ref())));
     let name = Path::new(file.get_ref());
-    let inside = name.components().all(|part| matches!(part, Component::Normal(_)));
+    let is_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    let inside = name.components().all(is_inside);
     let Some(folder) = folder.filter(|_| inside && !file.get_ref().is_empty()) else {
         return Err(outside());
     };

@@ -12,6 +12,14 @@ pub use drives::DriveFault;
 
 use crate::text::limits;
 
+/// A number as a reader takes it in: one far from 1 with an exponent, and not with hundreds of zeros.
+fn shown(x: &f64) -> String {
+    match x.abs() {
+        size if size >= 1e16 && size.is_finite() || size > 0.0 && size < 1e-5 => format!("{x:e}"),
+        _ => format!("{x}"),
+    }
+}
+
 /// What is wrong with a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -48,7 +56,7 @@ pub enum Fault {
         feature: &'static str,
     },
     /// A number that must be finite.
-    #[error("{what} is {value}; it must be finite")]
+    #[error("{what} is {}; it must be finite", shown(.value))]
     NotFinite {
         /// What the number is.
         what: &'static str,
@@ -56,7 +64,7 @@ pub enum Fault {
         value: f64,
     },
     /// A number that must be positive, finite, and so large that one over it is finite.
-    #[error("{what} is {value}; it must be positive and finite")]
+    #[error("{what} is {}; it must be positive and finite", shown(.value))]
     NotPositive {
         /// What the number is.
         what: &'static str,
@@ -288,7 +296,7 @@ pub enum Fault {
     #[error("this observable is not available in {0}")]
     ObservableOfAnother(&'static str),
     /// A number below zero.
-    #[error("{what} is {value}; it must not be negative")]
+    #[error("{what} is {}; it must not be negative", shown(.value))]
     Negative {
         /// What has this value.
         what: &'static str,
@@ -371,7 +379,11 @@ pub enum Fault {
     )]
     TorsionDimension,
     /// The horizon is a whole number of steps.
-    #[error("the horizon is {steps} steps of {step}; it must be a whole number of steps")]
+    #[error(
+        "the horizon is {} steps of {}; it must be a whole number of steps",
+        shown(.steps),
+        shown(.step)
+    )]
     NotWhole {
         /// The step.
         step: f64,

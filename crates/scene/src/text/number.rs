@@ -38,6 +38,11 @@ impl<'de> Deserialize<'de> for Number {
                 Ok(Number(x as f64))
             }
 
+            // What is beyond 64 bits with a sign.
+            fn visit_u64<E: Error>(self, x: u64) -> Result<Number, E> {
+                Ok(Number(x as f64))
+            }
+
             fn visit_i128<E: Error>(self, x: i128) -> Result<Number, E> {
                 Ok(Number(x as f64))
             }
@@ -59,6 +64,10 @@ impl<'de> Deserialize<'de> for Count {
             fn visit_i64<E: Error>(self, n: i64) -> Result<Count, E> {
                 let negative = |_| E::invalid_value(Unexpected::Signed(n), &self);
                 u64::try_from(n).map(Count).map_err(negative)
+            }
+
+            fn visit_u64<E: Error>(self, n: u64) -> Result<Count, E> {
+                self.visit_i128(n.into())
             }
 
             fn visit_i128<E: Error>(self, n: i128) -> Result<Count, E> {

@@ -3,13 +3,14 @@
 //! ```text
 //! invalid type: map, expected a number          expected a number, got a table
 //! invalid value: integer `-2`, expected ...     expected ..., got -2
-//! integer number overflowed                     a whole number of too many digits; ...
+//! integer number overflowed                     a whole number without digits or with too many; ...
 //! ```
 
 /// The message with its types put into words; others are left as they are.
 pub(crate) fn in_words(message: &str) -> String {
     if message.starts_with("integer number overflowed") {
-        return "a whole number of too many digits; write it with an exponent, such as 1e39"
+        // Of `0x` the parser says the same.
+        return "a whole number without digits or with too many; write it with an exponent, such as 1e39"
             .to_owned();
     }
     let told = ["invalid type: ", "invalid value: "].iter().find_map(|kind| {

@@ -269,6 +269,7 @@ fn meshes_are_looked_for_in_the_scenes_folder_and_nowhere_else() {
     std::fs::write(folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
     std::fs::write(folder.join("none.obj"), "hello\nf 1 2 9\n").unwrap();
     assert_eq!(read("one.obj").unwrap().particles().len(), 3);
+    assert_eq!(read("./one.obj").unwrap().particles().len(), 3);
     for (file, message) in [
         ("../one.obj", "not in the folder"),
         ("/etc/passwd", "not in the folder"),

@@ -261,3 +261,49 @@ fn places_whose_squares_overflow_are_told_where_they_are_measured() {
         assert!(said.contains(expected), "{said}");
     }
 }
+
+/// However many digits it has: 64 bits with a sign, without, and more.
+#[test]
+fn a_whole_number_is_a_number_of_any_size() {
+    let text = |y: &str, count: &str| {
+        format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.01\nhorizon = 0.1\nsample_every = {count}\n\
+             particles = [{{ name = \"a\", mass = 1, position = [0, {y}] }}]\n"
+        )
+    };
+    for y in [
+        "9223372036854775807",
+        "9223372036854775808",
+        "0xFFFFFFFFFFFFFFFF",
+        "1_0000000000_0000000000",
+    ] {
+        let scene = Scene::parse("a.toml", &text(y, "1")).unwrap_or_else(|error| panic!("{error}"));
+        assert!(scene.particles()[0].position[1] > 9e18, "{y}");
+    }
+    for (y, count, expected) in [
+        (
+            "0",
+            "9223372036854775808",
+            "expected a whole number up to 9223372036854775807, got 9223372036854775808",
+        ),
+        ("0x", "1", "a whole number without digits or with too many"),
+    ] {
+        let said = Scene::parse("a.toml", &text(y, count)).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[test]
+fn a_number_far_from_one_is_told_in_few_digits() {
+    let text = "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = 0.01\nhorizon = 0.1\n\
+        particles = [{ name = \"a\", mass = 1, position = [0, 0] }]\n";
+    for (from, to, expected) in [
+        ("mass = 1", "mass = 5e-324", "the mass is 5e-324; it must be positive and finite"),
+        ("mass = 1", "mass = -1e300", "the mass is -1e300; it must be positive and finite"),
+        ("mass = 1", "mass = 0", "the mass is 0; it must be positive and finite"),
+        ("horizon = 0.1", "horizon = 1e-300", "the horizon is 1e-298 steps of 0.01; it must be"),
+    ] {
+        let said = Scene::parse("a.toml", &text.replace(from, to)).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
+}
