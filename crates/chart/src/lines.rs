@@ -1,6 +1,9 @@
 //! Curves and points over two axes, with reference slopes, failures and the Pareto front.
 
-use crate::axis::{Axis, FARTHEST, Place, Ruler, Scale, is_number};
+mod failures;
+mod names;
+
+use crate::axis::{Axis, FARTHEST, Ruler, Scale, is_number};
 use crate::canvas::{Anchor, Canvas};
 use crate::chart::Drawing;
 use crate::error::ChartError;
@@ -8,9 +11,14 @@ use crate::frame::{Aspect, Frame, Layout, LegendEntry, Plan, Swatch, draw_legend
 use crate::label::{Label, TEXT, significant, text_width};
 use crate::pareto::pareto;
 use crate::path::polyline;
-use crate::place::{Crowd, Rect, spread};
-use crate::series::{Mark, Series, Trace, Weight, quantity};
+use crate::place::{Crowd, Rect};
+use crate::series::{Mark, Series, Trace, Weight};
 use crate::style::Styles;
+
+use failures::Failures;
+pub(crate) use failures::ROW;
+pub(crate) use names::draw_along;
+use names::{COLUMN, End, GAP, draw_direct_labels};
 
 /// Curves and points over two axes.
 #[derive(Clone, Debug)]
@@ -376,121 +384,6 @@ impl Labels {
     }
 }
 
-/// From the plot's right edge to the column of labels.
-const COLUMN: f64 = 22.0;
-/// Distance between two labels in the column.
-const GAP: f64 = 17.0;
-
-/// A line's name and where the line begins and ends.
-struct End {
-    name: String,
-    class: String,
-    start: (f64, f64),
-    end: (f64, f64),
-}
-
-/// A name stands beside an end of its line where that covers nothing, else in the column at the
-/// right with a leader to the end.
-fn draw_direct_labels(canvas: &mut Canvas, crowd: &mut Crowd, frame: &Frame, ends: &[End]) {
-    let plot = &frame.data;
-    let mut column: Vec<&End> = Vec::new();
-    for label in ends {
-        let width = text_width(&label.name, TEXT);
-        let spot = if label.end.0 > plot.right - 40.0 {
-            None
-        } else {
-            crowd.free(beside(label.end, label.start, width), plot)
-        };
-        match spot {
-            Some(spot) => {
-                crowd.add_label(spot);
-                draw_name(canvas, label, (spot.left, spot.bottom - 4.0));
-            }
-            None => column.push(label),
-        }
-    }
-    let ideal: Vec<f64> = column.iter().map(|label| label.end.1).collect();
-    let heights = spread(&ideal, GAP, plot.top + 6.0, plot.bottom - 6.0);
-    for (label, y) in column.into_iter().zip(heights) {
-        let (x, end) = (label.end.0 + 7.0, label.end.1);
-        let turn = (plot.right.max(x) + 4.0, end);
-        let leader = [(x, end), turn, (plot.right + COLUMN - 6.0, y)];
-        crowd.add_polyline(&leader);
-        canvas.group(&label.class, |canvas| canvas.path("leader", &polyline(&leader)));
-        let left = plot.right + COLUMN;
-        let width = text_width(&label.name, TEXT);
-        crowd.add_label(Rect { left, top: y - 8.0, right: left + width, bottom: y + 8.0 });
-        draw_name(canvas, label, (left, y + 4.5));
-    }
-}
-
-/// Spots around the right end of a line, then around its left end.
-fn beside(end: (f64, f64), start: (f64, f64), width: f64) -> impl Iterator<Item = Rect> {
-    let half = 0.5 * width;
-    let around = move |(x, y): (f64, f64), side: f64| {
-        [
-            (x + side * (half + 11.0), y),
-            (x + side * (half + 6.0), y - 13.0),
-            (x + side * (half + 6.0), y + 13.0),
-            (x, y - 17.0),
-            (x, y + 17.0),
-        ]
-    };
-    let centres = around(end, 1.0).into_iter().chain(around(start, -1.0));
-    centres.map(move |centre| Rect::around(centre, width, 16.0))
-}
-
-fn draw_name(canvas: &mut Canvas, label: &End, at: (f64, f64)) {
-    canvas.group(&label.class, |canvas| {
-        canvas.label("name over", at, Anchor::Start, &Label::plain(label.name.clone()));
-    });
-}
-
-/// A label in muted ink beside a path, where it covers least.
-pub(crate) fn draw_along(
-    canvas: &mut Canvas,
-    crowd: &mut Crowd,
-    page: &Rect,
-    text: &str,
-    path: &[(f64, f64)],
-) {
-    let width = text_width(text, TEXT);
-    let half = 0.5 * width;
-    let offsets = [
-        (half + 8.0, 0.0),
-        (half + 5.0, -13.0),
-        (half + 5.0, 13.0),
-        (0.0, -15.0),
-        (0.0, 15.0),
-        (-half - 5.0, -13.0),
-        (-half - 5.0, 13.0),
-        (-half - 8.0, 0.0),
-    ];
-    let spots = along(path)
-        .into_iter()
-        .flat_map(|(x, y)| offsets.map(|(dx, dy)| Rect::around((x + dx, y + dy), width, 16.0)));
-    if let Some(spot) = crowd.best(spots, page) {
-        crowd.add_label(spot);
-        let at = (spot.left, spot.bottom - 4.0);
-        canvas.label("muted over", at, Anchor::Start, &Label::plain(text));
-    }
-}
-
-/// Points along a path, the far end first.
-fn along(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut points: Vec<(f64, f64)> = path
-        .windows(2)
-        .flat_map(|p| {
-            (0..8)
-                .map(move |i| f64::from(i) / 8.0)
-                .map(move |t| (p[0].0 + t * (p[1].0 - p[0].0), p[0].1 + t * (p[1].1 - p[0].1)))
-        })
-        .collect();
-    points.extend(path.last());
-    points.reverse();
-    points
-}
-
 /// The straight line of a slope, from one side of the plot to the other.
 fn slope_path(frame: &Frame, slope: f64, through: (f64, f64)) -> Vec<(f64, f64)> {
     let (Some(x), Some(y)) = (frame.x.beyond_start(through.0), frame.y.beyond_start(through.1))
@@ -504,65 +397,4 @@ fn slope_path(frame: &Frame, slope: f64, through: (f64, f64)) -> Vec<(f64, f64)>
     };
     let ends = vec![at(0.0, frame.plot.left), at(frame.x.extent(), frame.plot.right)];
     if ends.iter().any(|end| end.1.is_nan()) { Vec::new() } else { ends }
-}
-
-/// Crosses at the top of the plot, in rows so that none hides another.
-struct Failures(Vec<Cross>);
-
-struct Cross {
-    series: usize,
-    x: f64,
-    row: usize,
-    tip: String,
-}
-
-pub(crate) const ROW: f64 = 17.0;
-const ROWS: usize = 8;
-
-impl Failures {
-    fn of(lines: &Lines, ruler: &Ruler) -> Self {
-        let mut crosses: Vec<Cross> = Vec::new();
-        for (series, one) in lines.series.iter().enumerate() {
-            for (at, reason) in one.all_failures() {
-                // Without a place on the axis, at the end where the axis begins.
-                let x = match ruler.place(at) {
-                    Place::At(pixel) => pixel,
-                    Place::Before | Place::Nowhere => ruler.start() + 8.0,
-                };
-                let taken = |row| crosses.iter().any(|c| c.row == row && (c.x - x).abs() < 13.0);
-                let row = (0..ROWS).find(|&row| !taken(row)).unwrap_or(ROWS - 1);
-                let tip = format!("{} failed\n{}\n{reason}", one.name, quantity(&lines.x, at));
-                crosses.push(Cross { series, x, row, tip });
-            }
-        }
-        Failures(crosses)
-    }
-
-    fn lane(&self) -> f64 {
-        self.0.iter().map(|c| c.row + 1).max().map_or(0.0, |rows| rows as f64 * ROW + 3.0)
-    }
-
-    fn height(row: usize, frame: &Frame) -> f64 {
-        frame.plot.top + 1.5 + (row as f64 + 0.5) * ROW
-    }
-
-    /// The rightmost cross of a series.
-    fn last_of(&self, series: usize, frame: &Frame) -> Option<(f64, f64)> {
-        let own = self.0.iter().filter(|cross| cross.series == series);
-        let cross = own.max_by(|a, b| a.x.total_cmp(&b.x))?;
-        Some((cross.x, Failures::height(cross.row, frame)))
-    }
-
-    fn draw(&self, canvas: &mut Canvas, lines: &Lines, frame: &Frame, styles: &Styles) {
-        for cross in &self.0 {
-            let series = &lines.series[cross.series];
-            let class = match series.weight {
-                Weight::Full => styles.of(&series.name).class(),
-                Weight::Rest => "rest".to_owned(),
-            };
-            let at = (cross.x, Failures::height(cross.row, frame));
-            let mark = r#"<path class="fail" d="M-4 -4L4 4M-4 4L4 -4"/>"#;
-            canvas.point(&class, at, &cross.tip, mark);
-        }
-    }
 }
