@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 const RESOLVED: Duration = Duration::from_millis(1);
 const RUNS: usize = 5;
 /// A call that takes longer is run less often, and one that takes much longer once.
-const LONG: Duration = Duration::from_millis(10);
+const LONG: Duration = Duration::from_millis(5);
 const LONG_RUNS: usize = 3;
-const LONGEST: Duration = Duration::from_millis(50);
+const LONGEST: Duration = Duration::from_millis(20);
 
 /// Wall time of one call, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,8 @@ pub struct Wall {
     pub max: f64,
 }
 
-/// Times `call`: one warm-up, then the median of five runs. Of a call longer than a hundredth of a
-/// second there are three runs and no warm-up, and longer than a twentieth a single one: what is
+/// Times `call`: one warm-up, then the median of five runs. Of a call longer than five
+/// milliseconds there are three runs and no warm-up, and longer than twenty a single one: what is
 /// long is disturbed less. A call shorter than a millisecond is repeated within a run, and its share is
 /// reported.
 pub fn median_wall(mut call: impl FnMut()) -> Wall {

@@ -29,7 +29,7 @@ const SETTLED: f64 = 1e-10;
 const SWEEPS: usize = 200;
 
 fn study(size: Size) -> Result<Study, StudyError> {
-    let count = if size == Size::Full { 100 } else { 12 };
+    let count = if size == Size::Full { 100 } else { 6 };
     let mut random = SplitMix64::new(31);
     let mut table = Table::new([
         Column::exact("boxes"),

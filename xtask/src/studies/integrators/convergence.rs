@@ -59,8 +59,8 @@ fn study<M: Metric, P: Potential, const N: usize>(
         let facts = method.facts();
         // Low orders need more steps until their error follows its law.
         let finest = match (size, facts.order) {
-            (Size::Default, 1) => 20,
-            (Size::Default, _) => 17,
+            (Size::Default, 1) => 18,
+            (Size::Default, _) => 16,
             (Size::Full, 1) => 22,
             (Size::Full, _) => 20,
         };

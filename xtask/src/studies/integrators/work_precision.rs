@@ -29,7 +29,7 @@ pub const KEPLER: Entry<'static> = Entry {
         let problem = kepler(0.6).map_err(StudyError::at("the orbit"))?;
         let steps = |method: Method| {
             let finest = match (size, method.facts().evaluation) {
-                (Size::Default, Evaluation::Explicit) => 18,
+                (Size::Default, Evaluation::Explicit) => 17,
                 (Size::Default, Evaluation::Implicit) => 15,
                 (Size::Full, _) => 20,
             };
@@ -57,7 +57,7 @@ pub const OUTER_SOLAR_SYSTEM: Entry<'static> = Entry {
         let problem = with_reference(problem, OUTER)?;
         let steps = |method: Method| {
             let finest = match (size, method.facts().evaluation) {
-                (Size::Default, Evaluation::Explicit) => 9,
+                (Size::Default, Evaluation::Explicit) => 8,
                 (Size::Default, Evaluation::Implicit) => 6,
                 (Size::Full, Evaluation::Explicit) => 11,
                 (Size::Full, Evaluation::Implicit) => 9,

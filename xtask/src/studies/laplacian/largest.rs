@@ -15,7 +15,7 @@ pub const STUDY: Entry<'static> = Entry {
     id: "largest-eigenvalue",
     krate: "laplacian",
     chapter: "15.3",
-    kind: Kind::WorkPrecision,
+    kind: Kind::Convergence,
     title: "Largest eigenvalue of a square, from above and from below: error and cost against vertices",
     tested: Tested::ByReport,
     run: &study,
