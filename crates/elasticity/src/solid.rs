@@ -36,7 +36,7 @@ pub struct Solid<M, const N: usize, const D: usize, const R: usize, const Q: usi
     material: M,
     pub(crate) groups: Vec<Group<N, R, Q>>,
     elements: usize,
-    curvature: Curvature,
+    pub(crate) curvature: Curvature,
     division: Division,
 }
 

@@ -7,7 +7,8 @@
 //! `f` a dead load (N), `t` the fraction of it: each step starts where the one before came to rest,
 //! so that Newton's method has a good guess. The line search lowers the energy; where the Hessian
 //! is not positive definite it is shifted by the mass (the ladder of calculus). What is found is a
-//! minimum of the energy where the last report's rung is Cholesky's, not of all minima the lowest.
+//! minimum of the energy where the last report's rung is Cholesky's, not of all minima the lowest. A projected
+//! Hessian only leads the search: how far the rest is and what kind of place it is the exact one says.
 //!
 //! ```text
 //! residual  |dV - t f|, in the metric: (r . M^-1 r)^(1/2), kg^1/2 m/s^2
@@ -26,9 +27,9 @@
 //! Wood (2008).
 
 use stationary_calculus::{
-    ConjugateGradient, Covector, DiagonalMetric, Equilibrium, EquilibriumReport, HessianSolver,
-    IterativeSolver, Metric, Newton, NewtonEnd, NewtonError, NewtonFailure, Ordering, Potential,
-    SparseSolver, Vector,
+    ConjugateGradient, Covector, Curvature, DiagonalMetric, Equilibrium, EquilibriumReport,
+    HessianSolver, IterativeSolver, Metric, Newton, NewtonEnd, NewtonError, NewtonFailure,
+    Ordering, Potential, Rung, SparseSolver, Vector,
 };
 use stationary_mesh::Places;
 
@@ -203,69 +204,118 @@ impl Statics {
             let between: Vec<f64> =
                 start.iter().zip(end).map(|(a, b)| (1.0 - t) * a + t * b).collect();
             solid.hold_at(&between)?;
-            let potential = (&*solid, load.scaled(t)?);
+            let load = load.scaled(t)?;
+            let potential = (&*solid, &load);
             let mut search = Equilibrium::new(metric, &potential, &mut solver, self.newton)?;
             let found = search.find(x);
             let history = search.history().to_vec();
-            let report = match found {
-                Ok(report) if report.newton.end == NewtonEnd::Tolerance => report,
-                Err(source) if !is_rounding(&history, rounding(solid, metric, x)) => {
-                    return Err(ElasticityError::Statics { step, steps, source });
+            let held = [difference(&between, start), largest(&between)];
+            let of = Displacement { start: &began, held, load: load.at_free() };
+            let place = Place { step, statics: self, load: &load, metric };
+            // A projected Hessian is too stiff to tell how far the rest is, and what kind of place it is.
+            let curvature = solid.curvature;
+            let is_projected = curvature != Curvature::Exact;
+            let exact = (is_projected && matches!(self.solves, Solves::Factor(_))).then(|| {
+                solid.curvature = Curvature::Exact;
+                place.kind(&*solid, &mut solver, x)
+            });
+            if !matches!(&exact, Some(Ok(exact)) if exact.rung == Rung::Cholesky) {
+                solid.curvature = curvature;
+            }
+            let report = place.judged(&*solid, &mut solver, (found, &history), &of, x);
+            solid.curvature = curvature;
+            let report = report?;
+            reports.push(match exact.transpose()? {
+                Some(EquilibriumReport { kind, rung, .. }) => {
+                    EquilibriumReport { kind, rung, ..report }
                 }
-                found => {
-                    let held = [difference(&between, start), largest(&between)];
-                    let load = potential.1.at_free();
-                    let of = Displacement { start: &began, held, load };
-                    let mut settle = Settle { solver: &mut solver, metric, potential: &potential };
-                    let settled = settle.settle(x, &of);
-                    if matches!(settled, Settled::Known) {
-                        check_balance(solid, &potential.1, held[0] > 0.0, x)?;
-                    }
-                    match (settled, found) {
-                        (Settled::Known | Settled::Still, Ok(report)) => report,
-                        (Settled::Known | Settled::Still, Err(source)) => {
-                            // All that is left to find out is what kind of place it is.
-                            let newton = Newton { tolerance: f64::MAX, ..self.newton };
-                            let mut search =
-                                Equilibrium::new(metric, &potential, &mut solver, newton)?;
-                            let found = search.find(x);
-                            let mut report = found.map_err(|source| ElasticityError::Statics {
-                                step,
-                                steps,
-                                source,
-                            })?;
-                            report.newton.iterations = source.history.len() as u32 - 1;
-                            report.newton.end = NewtonEnd::Rounding;
-                            report
-                        }
-                        (Settled::Off([left, displacement]), _) => {
-                            return Err(ElasticityError::Unsettled {
-                                step,
-                                steps,
-                                left,
-                                displacement,
-                            });
-                        }
-                        (Settled::Unsolved, Err(source)) => {
-                            return Err(ElasticityError::Statics { step, steps, source });
-                        }
-                        (Settled::Unsolved, Ok(report)) => {
-                            let first = history.first().copied().unwrap_or(0.0);
-                            let most = size(metric, load).max(first);
-                            let is_loaded = largest(load) > 0.0 || held[0] > 0.0;
-                            if is_loaded && report.newton.residual > NOTICED * most {
-                                let failure = NewtonFailure::NotConverged;
-                                let source = NewtonError { failure, history };
-                                return Err(ElasticityError::Statics { step, steps, source });
-                            }
-                            report
-                        }
-                    }
-                }
-            };
-            reports.push(report);
+                None => report,
+            });
         }
         Ok(reports)
+    }
+}
+
+/// Where a load step's search ended, with what it is judged by.
+struct Place<'a, const D: usize> {
+    step: usize,
+    statics: &'a Statics,
+    load: &'a DeadLoad<D>,
+    metric: &'a DiagonalMetric<Vec<f64>>,
+}
+
+impl<const D: usize> Place<'_, D> {
+    /// Whether it is a rest: corrects x until it is known.
+    fn judged<L, M, const N: usize, const R: usize, const Q: usize>(
+        &self,
+        solid: &Solid<M, N, D, R, Q>,
+        solver: &mut L,
+        (found, history): (Result<EquilibriumReport, NewtonError>, &[f64]),
+        of: &Displacement<'_>,
+        x: &mut [f64],
+    ) -> Result<EquilibriumReport, ElasticityError>
+    where
+        L: HessianSolver,
+        M: Material<D, R>,
+    {
+        let Place { step, statics: &Statics { steps, .. }, load, metric } = *self;
+        let found = match found {
+            Ok(report) if report.newton.end == NewtonEnd::Tolerance => return Ok(report),
+            Err(source) if !is_rounding(history, rounding(solid, metric, x)) => {
+                return Err(ElasticityError::Statics { step, steps, source });
+            }
+            found => found,
+        };
+        let settled =
+            Settle { solver: &mut *solver, metric, potential: &(solid, load) }.settle(x, of);
+        let moved = of.held[0] > 0.0;
+        if matches!(settled, Settled::Known) {
+            check_balance(solid, load, moved, x)?;
+        }
+        match (settled, found) {
+            (Settled::Known | Settled::Still, Ok(report)) => Ok(report),
+            (Settled::Known | Settled::Still, Err(source)) => {
+                let mut report = self.kind(solid, solver, x)?;
+                report.newton.iterations = source.history.len() as u32 - 1;
+                report.newton.end = NewtonEnd::Rounding;
+                Ok(report)
+            }
+            (Settled::Off([left, displacement]), _) => {
+                Err(ElasticityError::Unsettled { step, steps, left, displacement })
+            }
+            (Settled::Unsolved, Err(source)) => {
+                Err(ElasticityError::Statics { step, steps, source })
+            }
+            (Settled::Unsolved, Ok(report)) => {
+                let first = history.first().copied().unwrap_or(0.0);
+                let most = size(metric, load.at_free()).max(first);
+                let is_loaded = largest(load.at_free()) > 0.0 || moved;
+                if is_loaded && report.newton.residual > NOTICED * most {
+                    let failure = NewtonFailure::NotConverged;
+                    let source = NewtonError { failure, history: history.to_vec() };
+                    return Err(ElasticityError::Statics { step, steps, source });
+                }
+                Ok(report)
+            }
+        }
+    }
+
+    /// A search that ends where it begins: all that is left to find out is what kind of place it is.
+    fn kind<L, M, const N: usize, const R: usize, const Q: usize>(
+        &self,
+        solid: &Solid<M, N, D, R, Q>,
+        solver: &mut L,
+        x: &mut [f64],
+    ) -> Result<EquilibriumReport, ElasticityError>
+    where
+        L: HessianSolver,
+        M: Material<D, R>,
+    {
+        let Place { step, statics: &Statics { steps, newton, .. }, load, metric } = *self;
+        let newton = Newton { tolerance: f64::MAX, ..newton };
+        let potential = (solid, load);
+        let mut search = Equilibrium::new(metric, &potential, solver, newton)?;
+        search.find(x).map_err(|source| ElasticityError::Statics { step, steps, source })
     }
 }
 

@@ -131,7 +131,7 @@ pub fn read_obj(path: impl AsRef<Path>) -> Result<Obj, ObjError> {
 pub fn parse_obj(text: impl BufRead) -> Result<Obj, ObjError> {
     let mut statements = Statements::new(text);
     let mut surface = Surface::default();
-    while let Some(mut words) = statements.next(is_geometry)? {
+    while let Some(mut words) = statements.next(is_name)? {
         let keyword = words.required("a statement")?;
         match keyword.text {
             "v" => surface.vertex(&mut words)?,
@@ -143,13 +143,25 @@ pub fn parse_obj(text: impl BufRead) -> Result<Obj, ObjError> {
     surface.obj()
 }
 
-/// Statements of numbers, not of names.
-fn is_geometry(keyword: &str) -> bool {
-    ["v", "vt", "vn", "vp", "f", "fo", "l", "p"].contains(&keyword)
+/// Statements whose words are names, which may be paths and end with a backslash.
+fn is_name(keyword: &str) -> bool {
+    const NAMES: [&str; 10] = [
+        "g",
+        "o",
+        "usemtl",
+        "mtllib",
+        "usemap",
+        "maplib",
+        "shadow_obj",
+        "trace_obj",
+        "call",
+        "csh",
+    ];
+    NAMES.contains(&keyword)
 }
 
 /// Statements that are passed over.
-const LEFT_OUT: [&str; 41] = [
+const LEFT_OUT: [&str; 42] = [
     "vt",
     "vn",
     "vp",
@@ -190,6 +202,7 @@ const LEFT_OUT: [&str; 41] = [
     "bsp",
     "bzp",
     "cdc",
+    "cdp",
     "res",
 ];
 
@@ -338,6 +351,13 @@ mod tests {
         let mesh = parse_obj(text.as_bytes()).unwrap().mesh;
         assert_eq!(mesh.simplices(), [[0, 1, 2]]);
         assert_eq!(mesh.vertices()[2], Vector3::y());
+    }
+
+    #[test]
+    fn free_form_statements_of_several_lines_are_passed_over() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\ncstype bspline\nsurf 0 1 0 1 1\\\n 2 3\n\
+            parm u 0 0.25\\\n 0.5\ntrim 0 1\\\n1\nend\ncdp 1 2 3\nf 1 2 3\n";
+        assert_eq!(parse_obj(text.as_bytes()).unwrap().mesh.simplices(), [[0, 1, 2]]);
     }
 
     #[test]

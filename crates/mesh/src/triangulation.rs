@@ -4,8 +4,9 @@
 //! n = sum_i (x_i - x_0) x (x_(i+1) - x_0)          twice its area, normal to it (Newell)
 //! ```
 //! Where all corners are seen from the first in rising order the polygon is a fan about it; else ears
-//! are cut: corners whose triangle with both neighbours holds no other corner. The signs are exact
-//! ones in the plane of the two axes that `n` is farthest from: a plane polygon keeps its sides there.
+//! are cut: corners whose triangle with both neighbours holds no other corner. An outline that crosses
+//! itself may have ears too, as a band that passes over itself has: they lie upon each other. The signs are
+//! exact ones in the plane of the two axes that `n` is farthest from: a plane polygon keeps its sides there.
 //! Source: Meisters, "Polygons have ears" (1975).
 
 use std::cmp::Ordering;
@@ -43,7 +44,8 @@ pub(crate) fn triangulated(corners: &[Vector3<f64>]) -> Result<Vec<[usize; 3]>, 
     if n > MOST_CORNERS {
         return Err(NoTriangles::TooManyCorners);
     }
-    cut(&flat).ok_or(NoTriangles::NotSimple)
+    let triangles = cut(&flat).filter(|triangles| !overlap(&flat, triangles));
+    triangles.ok_or(NoTriangles::NotSimple)
 }
 
 /// The corners in the plane, counterclockwise; `None` where they enclose nothing.
@@ -109,6 +111,30 @@ fn is_ear(flat: &[Vector2<f64>], left: &[usize], blunt: &[usize], k: usize) -> b
     !blunt.iter().any(|&other| holds(&flat[left[other]]))
 }
 
+/// Whether two of the triangles, all counterclockwise, share more than their rims.
+fn overlap(flat: &[Vector2<f64>], triangles: &[[usize; 3]]) -> bool {
+    let bounds = triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|corner| flat[corner]);
+        (a.inf(&b).inf(&c), a.sup(&b).sup(&c))
+    });
+    let bounds: Vec<_> = bounds.collect();
+    let meet = |one: usize, other: usize| {
+        let ((low, high), (from, to)) = (&bounds[one], &bounds[other]);
+        (0..2).all(|c| low[c] < to[c] && from[c] < high[c])
+    };
+    // Two convex shapes are apart where a side of one has the other on its right.
+    let is_beside = |one: usize, other: usize| {
+        let ([a, b, c], others) = (triangles[one], triangles[other]);
+        [(a, b), (b, c), (c, a)].iter().any(|&(from, to)| {
+            let side = |p: usize| side_of_line(&flat[from], &flat[to], &flat[p]);
+            others.iter().all(|&p| side(p) != Ordering::Greater)
+        })
+    };
+    (1..triangles.len()).any(|one| {
+        (0..one).any(|other| meet(one, other) && !is_beside(one, other) && !is_beside(other, one))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,6 +176,20 @@ mod tests {
             corners.rotate_left(1);
             assert!((area(&corners) - 4.0).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn a_band_that_passes_over_itself_has_ears_and_is_refused() {
+        let band = [[2.0, 5.0], [7.0, 3.0], [2.0, 2.0], [2.0, 7.0], [3.0, 3.0]];
+        let mut corners = flat(&band);
+        for _ in 0..corners.len() {
+            corners.rotate_left(1);
+            assert_eq!(triangulated(&corners), Err(NoTriangles::NotSimple));
+        }
+        // A ring cut open along a bridge touches itself and crosses nowhere.
+        let ring = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]];
+        let hole = [[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0], [1.0, 1.0]];
+        assert!((area(&flat(&[ring, hole].concat())) - 15.0).abs() < 1e-14);
     }
 
     #[test]

@@ -104,6 +104,7 @@ studies! {
             sheets: [CANTILEVER, MEMBRANE, LOCKING],
             factor_or_iterate: [STUDY],
             orders: [STUDY],
+            hung_bar: [STUDY],
             compression: [STUDY],
             dispersion: [STUDY],
             slinky: [STUDY],

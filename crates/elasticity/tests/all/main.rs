@@ -7,4 +7,5 @@ mod fitted;
 mod materials;
 mod parts;
 mod problems;
+mod projected;
 mod statics;

@@ -43,7 +43,7 @@ impl<R: BufRead> Statements<R> {
     /// The next statement that has words; `None` at the end of the text.
     pub(super) fn next(
         &mut self,
-        is_geometry: impl Fn(&str) -> bool,
+        is_name: impl Fn(&str) -> bool,
     ) -> Result<Option<Words<'_>>, ObjError> {
         loop {
             self.statement.clear();
@@ -56,7 +56,7 @@ impl<R: BufRead> Statements<R> {
                     }
                     break;
                 }
-                goes_on = self.joined(&is_geometry);
+                goes_on = self.joined(&is_name);
             }
             if !self.statement.trim_ascii().is_empty() {
                 let (statement, pieces) = (self.statement.as_str(), self.pieces.as_slice());
@@ -66,7 +66,7 @@ impl<R: BufRead> Statements<R> {
     }
 
     /// Appends a line; whether the next one belongs to it.
-    fn joined(&mut self, is_geometry: impl Fn(&str) -> bool) -> bool {
+    fn joined(&mut self, is_name: impl Fn(&str) -> bool) -> bool {
         let comment = self.bytes.iter().position(|&byte| byte == b'#').unwrap_or(self.bytes.len());
         let line = self.bytes[..comment].trim_ascii_end();
         self.pieces.push(Piece { start: self.statement.len(), line: self.line });
@@ -77,7 +77,7 @@ impl<R: BufRead> Statements<R> {
         let Some(kept) = kept else { return false };
         let stands_alone = kept.last().is_none_or(u8::is_ascii_whitespace);
         let keyword = self.statement.split_ascii_whitespace().next().unwrap_or("");
-        let goes_on = stands_alone || is_geometry(keyword);
+        let goes_on = stands_alone || !is_name(keyword);
         if !goes_on {
             self.statement.truncate(start);
             self.statement.push_str(&String::from_utf8_lossy(line));
