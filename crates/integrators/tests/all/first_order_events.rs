@@ -136,3 +136,14 @@ fn output_at_given_times_costs_no_steps() {
         assert_eq!(bare.moment(), method.moment());
     }
 }
+
+#[test]
+fn tiny_and_huge_numbers_are_shown_with_an_exponent() {
+    let last = Moment::new(6e-75, Vec::new());
+    let error = AdaptiveError::TooManySteps { steps: 3, last: last.clone() };
+    assert_eq!(error.to_string(), "3 steps were tried, and t = 6e-75 s is as far as they led");
+    let error = AdaptiveError::StepTooSmall { step: 1e-300, last };
+    assert!(error.to_string().contains("1e-300 s at t = 6e-75 s,"), "{error}");
+    let error = AdaptiveError::End { end: -1e300, t: 2.5 };
+    assert_eq!(error.to_string(), "the end -1e300 s does not lie ahead of t = 2.5 s");
+}
