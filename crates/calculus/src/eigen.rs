@@ -14,7 +14,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use crate::{BilinearForm, LinearTransformation, SizeError};
+use crate::{BilinearForm, LinearTransformation, Readable, SizeError};
 
 /// Matrices that have no real eigenvalues and orthonormal eigenvectors.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -29,7 +29,10 @@ pub enum EigenError {
         which: &'static str,
     },
     /// Both matrices must be symmetric to twelve digits; a transformation must be self-adjoint.
-    #[error("{which} is not symmetric: entry ({row}, {column}) is {entry}, its mirror {mirror}")]
+    #[error(
+        "{which} is not symmetric: entry ({row}, {column}) is {entry}, its mirror {mirror}",
+        entry = Readable(entry), mirror = Readable(mirror)
+    )]
     NotSymmetric {
         /// Which matrix: "the form" or "the metric".
         which: &'static str,

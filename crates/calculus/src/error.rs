@@ -1,5 +1,7 @@
 //! What can go wrong in this crate, one enum or struct for each kind of input.
 
+use crate::Readable;
+
 /// Two things that must have the same size do not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what}: expected {expected}, got {got}")]
@@ -46,7 +48,8 @@ pub enum MetricError {
     },
     /// A mass matrix must be finite and symmetric.
     #[error(
-        "the mass matrix is not symmetric: entry ({row}, {column}) is {entry}, its mirror image {mirror}"
+        "the mass matrix is not symmetric: entry ({row}, {column}) is {entry}, its mirror image {mirror}",
+        entry = Readable(entry), mirror = Readable(mirror)
     )]
     NotSymmetric {
         /// Row of the entry.

@@ -17,7 +17,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::equation::length;
-use crate::first_non_finite;
+use crate::{Readable, first_non_finite};
 
 /// The least-norm solution, and what it rests on.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ pub enum LeastNormError {
         entry: f64,
     },
     /// The tolerance is a fraction of the largest singular value.
-    #[error("the tolerance is {0}; it must be at least 0 and below 1")]
+    #[error("the tolerance is {}; it must be at least 0 and below 1", Readable(.0))]
     Tolerance(f64),
     /// The solution, a singular value or the residual is too large for a number.
     #[error("the solution, a singular value or the residual is too large for a number")]

@@ -46,6 +46,7 @@ mod eigen;
 mod potential;
 mod sink;
 mod parts;
+mod readable;
 mod scaled;
 mod stencil;
 mod automatic;
@@ -97,6 +98,7 @@ pub use newton::{Newton, NewtonEnd, NewtonError, NewtonFailure, NewtonMemory, Ne
 pub use newton_study::{newton_against_initial_guesses, newton_against_wrong_derivatives};
 pub use parts::{Parts, in_parts, side_by_side};
 pub use potential::Potential;
+pub use readable::Readable;
 pub use scaled::Scaled;
 pub use semidefinite::project_semidefinite;
 pub use sink::{DenseSink, FIXED, ProductSink, Sink};

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use stationary_calculus::SizeError;
+use stationary_calculus::{Readable, SizeError};
 
 use crate::ladder::Ladder;
 
@@ -10,13 +10,13 @@ use crate::ladder::Ladder;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum QuestionError {
     /// A tolerance is a part of one.
-    #[error("the tolerance must be at least 1e-12 and less than 1 (got {0})")]
+    #[error("the tolerance must be at least 1e-12 and less than 1 (got {})", Readable(.0))]
     Tolerance(f64),
     /// Nothing can be run in no time.
     #[error("the budget must be positive (got {0:?})")]
     Budget(Duration),
     /// A horizon to which nothing runs.
-    #[error("the horizon must be positive and finite (got {0})")]
+    #[error("the horizon must be positive and finite (got {})", Readable(.0))]
     Horizon(f64),
     /// The start, or what is observed there, is not finite.
     #[error("{what} has a number that is not finite at the start, the one at place {place} from 0")]

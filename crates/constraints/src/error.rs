@@ -1,6 +1,6 @@
 //! What can be wrong with a constraint, with a state, and with a step that must keep it.
 
-use stationary_calculus::{NewtonError, SizeError};
+use stationary_calculus::{NewtonError, Readable, SizeError};
 use stationary_integrators::StepError;
 
 /// A constraint that cannot be, or cannot be kept. The state is as it was.
@@ -16,7 +16,10 @@ pub enum ConstraintError {
     #[error(transparent)]
     Size(#[from] SizeError),
     /// A rod has a length.
-    #[error("rod {rod} has length {length} m; it must be positive and finite")]
+    #[error(
+        "rod {rod} has length {length} m; it must be positive and finite",
+        length = Readable(length)
+    )]
     RodLength {
         /// The rod, counted from 0.
         rod: usize,
@@ -24,7 +27,10 @@ pub enum ConstraintError {
         length: f64,
     },
     /// A strength is positive; infinity is a rod that never breaks.
-    #[error("rod {rod} has strength {strength} N; it must be positive")]
+    #[error(
+        "rod {rod} has strength {strength} N; it must be positive",
+        strength = Readable(strength)
+    )]
     RodStrength {
         /// The rod, counted from 0.
         rod: usize,
@@ -82,7 +88,7 @@ pub enum ConstraintError {
         freedom: usize,
     },
     /// A parameter outside its range.
-    #[error("{what} is {value}; it must be {range}")]
+    #[error("{what} is {value}; it must be {range}", value = Readable(value))]
     Parameter {
         /// The parameter.
         what: &'static str,
@@ -256,7 +262,8 @@ pub enum ConstraintError {
     /// No step that can be told from none meets the tolerance of an adaptive method.
     #[error(
         "at t = {t} s no step meets the tolerance: one of {h:e} s is off by {error:e} tolerances in stored \
-         number {number} of the configuration; loosen the tolerance, or start farther from a singular position"
+         number {number} of the configuration; loosen the tolerance, or start farther from a singular position",
+        t = Readable(t)
     )]
     StepTooShort {
         /// The time at which the step starts, seconds.
@@ -298,7 +305,10 @@ pub enum ConstraintError {
     },
     /// The explicit step in the pendulum's angle exists while the bob moves less than a rod's
     /// length.
-    #[error("the bob moves {ratio} rods in a step; the angle's step needs at most one")]
+    #[error(
+        "the bob moves {ratio} rods in a step; the angle's step needs at most one",
+        ratio = Readable(ratio)
+    )]
     TooFast {
         /// h |speed| / L.
         ratio: f64,

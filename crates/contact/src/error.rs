@@ -1,6 +1,6 @@
 //! What can go wrong in this crate.
 
-use stationary_calculus::{MetricError, SizeError};
+use stationary_calculus::{MetricError, Readable, SizeError};
 use stationary_constraints::ConstraintError;
 use stationary_integrators::StepError;
 use stationary_rigid::RigidError;
@@ -9,7 +9,10 @@ use stationary_rigid::RigidError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ContactError {
     /// A coefficient of restitution lies between 0 and 1.
-    #[error("the restitution of contact {contact} is {value}; it lies between 0 and 1")]
+    #[error(
+        "the restitution of contact {contact} is {value}; it lies between 0 and 1",
+        value = Readable(value)
+    )]
     Restitution {
         /// The contact, counted from 0.
         contact: usize,
@@ -17,7 +20,10 @@ pub enum ContactError {
         value: f64,
     },
     /// A coefficient of friction is not negative.
-    #[error("the friction of contact {contact} is {value}; it is a finite number of at least 0")]
+    #[error(
+        "the friction of contact {contact} is {value}; it is a finite number of at least 0",
+        value = Readable(value)
+    )]
     Friction {
         /// The contact, counted from 0.
         contact: usize,
@@ -26,7 +32,8 @@ pub enum ContactError {
     },
     /// A length of rolling or torsional friction.
     #[error(
-        "the rolling friction of colliders {colliders:?} is {length} m; it is finite and at least 0"
+        "the rolling friction of colliders {colliders:?} is {length} m; it is finite and at least 0",
+        length = Readable(length)
     )]
     Rolling {
         /// The pair.
@@ -75,7 +82,10 @@ pub enum ContactError {
         angle: f64,
     },
     /// Contacts still approach when the bound on the iterations is reached.
-    #[error("{what}: after {iterations} iterations contacts are off by {residual} m/s")]
+    #[error(
+        "{what}: after {iterations} iterations contacts are off by {residual} m/s",
+        residual = Readable(residual)
+    )]
     NotConverged {
         /// Which iteration.
         what: &'static str,
@@ -87,7 +97,10 @@ pub enum ContactError {
         velocity: Vec<f64>,
     },
     /// A size of a shape that must be positive and finite.
-    #[error("the {what} of a {shape} is {value} m; it must be positive and finite")]
+    #[error(
+        "the {what} of a {shape} is {value} m; it must be positive and finite",
+        value = Readable(value)
+    )]
     Length {
         /// The shape.
         shape: &'static str,
@@ -119,7 +132,10 @@ pub enum ContactError {
         vertices: usize,
     },
     /// Bodies overlap where they must not.
-    #[error("{count} pairs overlap, colliders {first} and {second} by {depth} m")]
+    #[error(
+        "{count} pairs overlap, colliders {first} and {second} by {depth} m",
+        depth = Readable(depth)
+    )]
     Overlap {
         /// How many pairs.
         count: usize,
@@ -139,25 +155,34 @@ pub enum ContactError {
         second: &'static str,
     },
     /// A stiffness that must be positive and finite.
-    #[error("the stiffness is {0} N/m; it must be positive and finite")]
+    #[error("the stiffness is {} N/m; it must be positive and finite", Readable(.0))]
     Stiffness(f64),
     /// A depth of overlaps that may be left.
-    #[error("the depth to which bodies may overlap is {0} m; it must be finite and not negative")]
+    #[error(
+        "the depth to which bodies may overlap is {} m; it must be finite and not negative",
+        Readable(.0)
+    )]
     Depth(f64),
     /// A distance at which to look for contacts.
-    #[error("the margin is {0} m; it must be finite and not negative")]
+    #[error("the margin is {} m; it must be finite and not negative", Readable(.0))]
     Margin(f64),
     /// How far contact conditions are to be met.
-    #[error("the tolerance of contact conditions is {0} m/s; it must be finite and not negative")]
+    #[error(
+        "the tolerance of contact conditions is {} m/s; it must be finite and not negative",
+        Readable(.0)
+    )]
     Settling(f64),
     /// A distance up to which things count as touching.
-    #[error("the thickness is {0} m; it must be finite and not negative")]
+    #[error("the thickness is {} m; it must be finite and not negative", Readable(.0))]
     Thickness(f64),
     /// A tolerance below rounding.
-    #[error("the tolerance is {0} m; it must be finite and above the rounding of the coordinates")]
+    #[error(
+        "the tolerance is {} m; it must be finite and above the rounding of the coordinates",
+        Readable(.0)
+    )]
     Tolerance(f64),
     /// More impacts in a step than the bound allows.
-    #[error("more than {bound} impacts in the step that starts at {time} s")]
+    #[error("more than {bound} impacts in the step that starts at {time} s", time = Readable(time))]
     TooManyImpacts {
         /// The bound.
         bound: usize,
@@ -165,11 +190,12 @@ pub enum ContactError {
         time: f64,
     },
     /// An accuracy to which steps are chosen.
-    #[error("the accuracy must be positive and finite (got {0} m)")]
+    #[error("the accuracy must be positive and finite (got {} m)", Readable(.0))]
     Accuracy(f64),
     /// A step that may not get any shorter is off by more than its share of the accuracy.
     #[error(
-        "at {time} s a step of {step} s is off by {off} m, more than {share} m, and cannot be shorter"
+        "at {time} s a step of {step} s is off by {off} m, more than {share} m, and cannot be shorter",
+        time = Readable(time), step = Readable(step), off = Readable(off), share = Readable(share)
     )]
     StepTooShort {
         /// When the step starts.
@@ -182,7 +208,7 @@ pub enum ContactError {
         share: f64,
     },
     /// More steps than the bound allows.
-    #[error("more than {bound} steps of chosen length, at {time} s")]
+    #[error("more than {bound} steps of chosen length, at {time} s", time = Readable(time))]
     TooManySteps {
         /// The bound.
         bound: usize,

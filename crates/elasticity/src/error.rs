@@ -1,6 +1,8 @@
 //! What can be wrong with a spring, a net, a material or a body.
 
-use stationary_calculus::{MetricError, NewtonError, SizeError, SparseError, UnknownVertex};
+use stationary_calculus::{
+    MetricError, NewtonError, Readable, SizeError, SparseError, UnknownVertex,
+};
 use stationary_mesh::{MeshError, Places};
 
 use crate::Weave;
@@ -12,10 +14,13 @@ pub enum SpringError {
     #[error("both ends of the spring are vertex {0}")]
     Loop(usize),
     /// A stiffness must be positive and finite.
-    #[error("the stiffness is {0} N/m; it must be positive and finite")]
+    #[error("the stiffness is {} N/m; it must be positive and finite", Readable(.0))]
     Stiffness(f64),
     /// A rest length must be finite, and positive or, for Cauchy strain, zero.
-    #[error("the rest length is {0} m; it must be finite and positive, or zero with Cauchy strain")]
+    #[error(
+        "the rest length is {} m; it must be finite and positive, or zero with Cauchy strain",
+        Readable(.0)
+    )]
     RestLength(f64),
     /// Indices have 32 bits.
     #[error("a net of {rows} x {columns} vertices has more than 32-bit indices can tell apart")]
@@ -44,7 +49,8 @@ pub enum ElasticityError {
     /// A pair that gives energy away for some strain.
     #[error(
         "lambda = {lambda} Pa and mu = {mu} Pa in {dimensions} dimensions: mu and the bulk modulus \
-         must be positive, and their sums finite"
+         must be positive, and their sums finite",
+        lambda = Readable(lambda), mu = Readable(mu)
     )]
     Lame {
         /// The first parameter, Pa.
@@ -55,7 +61,10 @@ pub enum ElasticityError {
         dimensions: usize,
     },
     /// Poisson's ratio out of its bounds.
-    #[error("Poisson's ratio is {poisson}; it must be between -1 and {bound}, both excluded")]
+    #[error(
+        "Poisson's ratio is {poisson}; it must be between -1 and {bound}, both excluded",
+        poisson = Readable(poisson), bound = Readable(bound)
+    )]
     Poisson {
         /// The ratio.
         poisson: f64,
@@ -63,16 +72,22 @@ pub enum ElasticityError {
         bound: f64,
     },
     /// Young's modulus must be positive and finite.
-    #[error("Young's modulus is {0} Pa; it must be positive and finite")]
+    #[error("Young's modulus is {} Pa; it must be positive and finite", Readable(.0))]
     Young(f64),
     /// The neo-Hookean energy has no lower bound for so negative a Poisson's ratio in the plane.
-    #[error("a neo-Hookean sheet needs Poisson's ratio above -1/2; it is {poisson}")]
+    #[error(
+        "a neo-Hookean sheet needs Poisson's ratio above -1/2; it is {poisson}",
+        poisson = Readable(poisson)
+    )]
     NeoHookean {
         /// The ratio.
         poisson: f64,
     },
     /// The corotated energy has no lower bound for a negative Poisson's ratio.
-    #[error("a corotated body needs a Poisson's ratio of at least 0; it is {poisson}")]
+    #[error(
+        "a corotated body needs a Poisson's ratio of at least 0; it is {poisson}",
+        poisson = Readable(poisson)
+    )]
     Corotated {
         /// The ratio.
         poisson: f64,
@@ -81,13 +96,13 @@ pub enum ElasticityError {
     #[error("no woven sheet has these moduli: {0:?}")]
     Weave(Weave),
     /// A damping that would give energy, or is not finite.
-    #[error("the damping is {0}; it must be finite and not negative")]
+    #[error("the damping is {}; it must be finite and not negative", Readable(.0))]
     Damping(f64),
     /// A density must be positive and finite.
-    #[error("the density is {0}; it must be positive and finite")]
+    #[error("the density is {}; it must be positive and finite", Readable(.0))]
     Density(f64),
     /// A thickness or cross-section must be positive and finite.
-    #[error("the section is {0}; it must be positive and finite")]
+    #[error("the section is {}; it must be positive and finite", Readable(.0))]
     Section(f64),
     /// A length must be positive and finite, and so must what follows from it.
     #[error(
@@ -106,7 +121,7 @@ pub enum ElasticityError {
         most: usize,
     },
     /// A bending stiffness must be positive and finite.
-    #[error("the bending stiffness is {0}; it must be positive and finite")]
+    #[error("the bending stiffness is {}; it must be positive and finite", Readable(.0))]
     Bending(f64),
     /// Indices have 32 bits.
     #[error("{vertices} vertices are more than 32-bit indices can tell apart")]
@@ -115,7 +130,10 @@ pub enum ElasticityError {
         vertices: usize,
     },
     /// A coordinate that does not exist, is held twice, or nowhere.
-    #[error("component {component} of vertex {vertex} cannot be held at {place}")]
+    #[error(
+        "component {component} of vertex {vertex} cannot be held at {place}",
+        place = Readable(place)
+    )]
     Held {
         /// The vertex.
         vertex: usize,
@@ -181,7 +199,7 @@ pub enum ElasticityError {
         vertices: [usize; 4],
     },
     /// An angle at rest that is not finite.
-    #[error("the angle of a hinge at rest is {0}; it must be finite")]
+    #[error("the angle of a hinge at rest is {}; it must be finite", Readable(.0))]
     Angle(f64),
     /// Errors are told relative to a displacement that is known; nothing is known of none.
     #[error(
@@ -195,7 +213,10 @@ pub enum ElasticityError {
         value: f64,
     },
     /// A tolerance must not be negative, nor NaN.
-    #[error("the tolerance of Newton's method is {0} kg^1/2 m/s^2; it must be zero or positive")]
+    #[error(
+        "the tolerance of Newton's method is {} kg^1/2 m/s^2; it must be zero or positive",
+        Readable(.0)
+    )]
     Tolerance(f64),
     /// A rest in which elements are turned inside out.
     #[error(

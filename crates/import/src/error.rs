@@ -80,7 +80,7 @@ pub enum ImportError {
         name: String,
     },
     /// A number below zero where no scene has one.
-    #[error("{what} of `{name}` is {value}; it must not be negative")]
+    #[error("{what} of `{name}` is {value:?}; it must not be negative")]
     Negative {
         /// What it is.
         what: &'static str,

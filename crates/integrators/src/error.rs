@@ -1,12 +1,12 @@
 //! What can go wrong in a step and in a simulation.
 
-use stationary_calculus::{NewtonError, SizeError, Unsolvable};
+use stationary_calculus::{NewtonError, Readable, SizeError, Unsolvable};
 
 /// A step that could not be taken; the state is as it was before.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// Steps go forward in time by a finite amount.
-    #[error("the step is {0} s; it must be positive and finite")]
+    #[error("the step is {} s; it must be positive and finite", Readable(.0))]
     Step(f64),
     /// The state does not belong to the system.
     #[error(transparent)]
@@ -27,7 +27,10 @@ pub enum StepError {
     #[error("the discrete Legendre transform is singular: q and p do not determine the next q")]
     SingularLegendreTransform,
     /// Steps are counted forward, and each moves the time.
-    #[error("there are {density} steps a second; it must be a positive number that moves the time")]
+    #[error(
+        "there are {density} steps a second; it must be a positive number that moves the time",
+        density = Readable(density)
+    )]
     Density {
         /// Steps a second.
         density: f64,
@@ -39,7 +42,7 @@ pub enum StepError {
     #[error("the implicit step was not solved: {0}")]
     Newton(#[from] NewtonError),
     /// A step starts and ends at a time.
-    #[error("a step would start or end at the time {0} s; it must be finite")]
+    #[error("a step would start or end at the time {} s; it must be finite", Readable(.0))]
     Time(f64),
     /// A step starts at a configuration of the system's space.
     #[error(
@@ -54,7 +57,7 @@ pub enum StepError {
 
 /// A simulation that could not be finished; the state is that after the last good step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("step {step}, from t = {time} s: {source}")]
+#[error("step {step}, from t = {time} s: {source}", time = Readable(time))]
 pub struct SimulationError {
     /// The step that failed, counted from 1.
     pub step: u64,
@@ -68,13 +71,16 @@ pub struct SimulationError {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum HorizonError {
     /// Steps go forward in time by a finite amount.
-    #[error("the step is {0} s; it must be positive and finite")]
+    #[error("the step is {} s; it must be positive and finite", Readable(.0))]
     Step(f64),
     /// A horizon lies ahead.
-    #[error("the duration is {0} s; it must be positive and finite")]
+    #[error("the duration is {} s; it must be positive and finite", Readable(.0))]
     Duration(f64),
     /// Steps are counted one by one.
-    #[error("{duration} s is {steps} steps of {step} s, more than can be counted")]
+    #[error(
+        "{duration} s is {steps} steps of {step} s, more than can be counted",
+        duration = Readable(duration), steps = Readable(steps), step = Readable(step)
+    )]
     TooMany {
         /// The duration, seconds.
         duration: f64,
@@ -84,7 +90,10 @@ pub enum HorizonError {
         steps: f64,
     },
     /// The duration must be a whole number of steps.
-    #[error("{duration} s is {steps} steps of {step} s, which is not a whole number")]
+    #[error(
+        "{duration} s is {steps} steps of {step} s, which is not a whole number",
+        duration = Readable(duration), steps = Readable(steps), step = Readable(step)
+    )]
     NotWhole {
         /// The duration, seconds.
         duration: f64,
@@ -120,7 +129,10 @@ pub enum StudyError {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ForceError {
     /// Drag takes energy away.
-    #[error("the drag of freedom {freedom} is {coefficient}; it must be finite and not negative")]
+    #[error(
+        "the drag of freedom {freedom} is {coefficient}; it must be finite and not negative",
+        coefficient = Readable(coefficient)
+    )]
     Drag {
         /// The freedom.
         freedom: usize,
@@ -128,7 +140,10 @@ pub enum ForceError {
         coefficient: f64,
     },
     /// A bump has a place and a width.
-    #[error("a bump from {start} s for {width} s; the width must be positive, both finite")]
+    #[error(
+        "a bump from {start} s for {width} s; the width must be positive, both finite",
+        start = Readable(start), width = Readable(width)
+    )]
     Bump {
         /// Where it starts, seconds.
         start: f64,
@@ -144,7 +159,7 @@ pub enum ActionError {
     #[error("the action has no steps")]
     NoSteps,
     /// Steps go forward in time by a finite amount.
-    #[error("step {step} is {h} s; it must be positive and finite")]
+    #[error("step {step} is {h} s; it must be positive and finite", h = Readable(h))]
     Step {
         /// The first such step, counted from 0.
         step: usize,
@@ -185,7 +200,10 @@ pub enum ImpulseError {
         freedom: usize,
     },
     /// No step begins at an impulse or contains it.
-    #[error("impulse {index} is at {time} s, outside of [{start} s, {end} s)")]
+    #[error(
+        "impulse {index} is at {time} s, outside of [{start} s, {end} s)",
+        time = Readable(time), start = Readable(start), end = Readable(end)
+    )]
     OutsideTheHorizon {
         /// The impulse, counted from 0.
         index: usize,
@@ -197,7 +215,10 @@ pub enum ImpulseError {
         end: f64,
     },
     /// Impulses come in ascending order.
-    #[error("impulse {index} is at {time} s, before the one at {last} s that precedes it")]
+    #[error(
+        "impulse {index} is at {time} s, before the one at {last} s that precedes it",
+        time = Readable(time), last = Readable(last)
+    )]
     Unsorted {
         /// The impulse, counted from 0.
         index: usize,
@@ -213,7 +234,7 @@ pub enum ImpulseError {
 
 /// A parameter of a method outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{name} is {value}; it must be in {range}")]
+#[error("{name} is {value}; it must be in {range}", value = Readable(value))]
 pub struct ParameterError {
     /// The parameter.
     pub name: &'static str,

@@ -46,6 +46,7 @@ pub use error::{AdaptiveError, ControlError};
 pub(crate) use error_scale::ErrorScale;
 pub use event::{Direction, Event};
 pub use facts::FirstOrderFacts;
+pub(crate) use first_step::CLOCK;
 pub use global_error::{EstimatedMoment, integrate_with_error};
 pub use integrate::{AcceptedStep, Outcome, integrate, integrate_to_event};
 pub use mechanical::MechanicalField;

@@ -20,8 +20,8 @@
 //! and Skeel 1999.
 
 use stationary_calculus::{
-    BilinearForm, Covector, DenseSink, EigenError, Metric, Potential, SizeError, Storage, System,
-    Vector,
+    BilinearForm, Covector, DenseSink, EigenError, Metric, Potential, Readable, SizeError, Storage,
+    System, Vector,
 };
 
 use crate::integrator::{check_step, zeros};
@@ -76,7 +76,10 @@ pub enum StiffnessError {
     #[error(transparent)]
     Size(#[from] SizeError),
     /// Trigonometric functions are of oscillations.
-    #[error("the stiffness is not positive semidefinite: it has the eigenvalue {eigenvalue} 1/s^2")]
+    #[error(
+        "the stiffness is not positive semidefinite: it has the eigenvalue {eigenvalue} 1/s^2",
+        eigenvalue = Readable(eigenvalue)
+    )]
     Negative {
         /// The eigenvalue, 1/s^2.
         eigenvalue: f64,

@@ -35,7 +35,9 @@ mod van_der_pol;
 
 use std::fmt;
 
-use stationary_calculus::{DiagonalMetric, Metric, MetricError, Potential, SizeError, System};
+use stationary_calculus::{
+    DiagonalMetric, Metric, MetricError, Potential, Readable, SizeError, System,
+};
 
 use crate::State;
 
@@ -58,7 +60,7 @@ pub use van_der_pol::{VanDerPolField, van_der_pol};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ProblemError {
     /// A parameter outside its range.
-    #[error("{name} is {value}; it must be in {range}")]
+    #[error("{name} is {value}; it must be in {range}", value = Readable(value))]
     Parameter {
         /// The parameter.
         name: &'static str,

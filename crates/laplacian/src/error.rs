@@ -1,6 +1,6 @@
 //! What can go wrong between a mesh and the flow of heat on it.
 
-use stationary_calculus::{MetricError, SizeError, SparseError};
+use stationary_calculus::{MetricError, Readable, SizeError, SparseError};
 use stationary_mesh::MeshError;
 use stationary_modal::ModalError;
 
@@ -25,7 +25,7 @@ pub enum LaplacianError {
     #[error("all vertices are held")]
     NothingFree,
     /// A number that must be finite, and of which more may be asked.
-    #[error("{what} is {value}")]
+    #[error("{what} is {value}", value = Readable(value))]
     Parameter {
         /// What it is.
         what: &'static str,

@@ -152,7 +152,7 @@ pub enum MeshError {
         splits: usize,
     },
     /// A size that must be positive and finite.
-    #[error("{what} is {value}; it must be positive and finite")]
+    #[error("{what} is {value:?}; it must be positive and finite")]
     Size {
         /// Which size.
         what: &'static str,
@@ -160,7 +160,7 @@ pub enum MeshError {
         value: f64,
     },
     /// Two sizes in the wrong order.
-    #[error("{smaller} is {value}; it must be less than {larger}, {bound}")]
+    #[error("{smaller} is {value:?}; it must be less than {larger}, {bound:?}")]
     Order {
         /// What must be smaller.
         smaller: &'static str,

@@ -1,6 +1,6 @@
 //! What can go wrong on the way to modes.
 
-use stationary_calculus::{EigenError, SizeError, SparseError};
+use stationary_calculus::{EigenError, Readable, SizeError, SparseError};
 
 /// Modes that cannot be had.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -94,7 +94,7 @@ pub enum ModalError {
         radians: f64,
     },
     /// A number that must be positive, or at least not negative, and finite.
-    #[error("{what} is {value}")]
+    #[error("{what} is {value}", value = Readable(value))]
     Parameter {
         /// What it is.
         what: &'static str,

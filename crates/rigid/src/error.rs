@@ -1,6 +1,6 @@
 //! What can go wrong in this crate.
 
-use stationary_calculus::SizeError;
+use stationary_calculus::{Readable, SizeError};
 
 use crate::{JointFault, JointName};
 
@@ -8,11 +8,12 @@ use crate::{JointFault, JointName};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RigidError {
     /// A mass is positive.
-    #[error("the mass is {0} kg; it must be positive and finite")]
+    #[error("the mass is {} kg; it must be positive and finite", Readable(.0))]
     Mass(f64),
     /// A solid body resists every turn.
     #[error(
-        "the moment of inertia about axis {axis} is {moment} kg m^2; it must be positive and finite"
+        "the moment of inertia about axis {axis} is {moment} kg m^2; it must be positive and finite",
+        moment = Readable(moment)
     )]
     Moment {
         /// The axis, 0 to 2.
@@ -32,7 +33,8 @@ pub enum RigidError {
     },
     /// An inertia tensor is symmetric.
     #[error(
-        "the inertia tensor is not symmetric: ({row}, {column}) is {entry}, its mirror image {mirror}"
+        "the inertia tensor is not symmetric: ({row}, {column}) is {entry}, its mirror image {mirror}",
+        entry = Readable(entry), mirror = Readable(mirror)
     )]
     NotSymmetric {
         /// Row of the entry.
@@ -45,19 +47,25 @@ pub enum RigidError {
         mirror: f64,
     },
     /// A quaternion that stands for a rotation has length 1.
-    #[error("the quaternion has length {length}; a rotation's is 1")]
+    #[error("the quaternion has length {length}; a rotation's is 1", length = Readable(length))]
     NotUnit {
         /// Its length.
         length: f64,
     },
     /// A rotation matrix is orthogonal.
-    #[error("R^T R is off from the identity by {defect}; a rotation's matrix is orthogonal")]
+    #[error(
+        "R^T R is off from the identity by {defect}; a rotation's matrix is orthogonal",
+        defect = Readable(defect)
+    )]
     NotOrthogonal {
         /// The largest entry of `R^T R - I`.
         defect: f64,
     },
     /// A rotation does not turn right hands into left ones.
-    #[error("the matrix has determinant {determinant}: it reflects")]
+    #[error(
+        "the matrix has determinant {determinant}: it reflects",
+        determinant = Readable(determinant)
+    )]
     Reflection {
         /// Its determinant.
         determinant: f64,
@@ -82,7 +90,10 @@ pub enum RigidError {
         value: f64,
     },
     /// The body of this number is wrong.
-    #[error("a quaternion of length {length} at body {body}; a rotation's is 1")]
+    #[error(
+        "a quaternion of length {length} at body {body}; a rotation's is 1",
+        length = Readable(length)
+    )]
     Pose {
         /// The body, counted from 0.
         body: usize,
@@ -90,7 +101,10 @@ pub enum RigidError {
         length: f64,
     },
     /// Euler angles are lost where the middle one lines up the other two axes.
-    #[error("gimbal lock: the pitch is {pitch} rad, where yaw and roll turn about the same axis")]
+    #[error(
+        "gimbal lock: the pitch is {pitch} rad, where yaw and roll turn about the same axis",
+        pitch = Readable(pitch)
+    )]
     GimbalLock {
         /// The middle angle, radians.
         pitch: f64,
@@ -135,7 +149,8 @@ pub enum RigidError {
     },
     /// A box has sizes.
     #[error(
-        "half the box's size along axis {axis} is {half} m; it must be finite and not negative"
+        "half the box's size along axis {axis} is {half} m; it must be finite and not negative",
+        half = Readable(half)
     )]
     HalfSize {
         /// The axis, 0 to 2.
@@ -144,7 +159,7 @@ pub enum RigidError {
         half: f64,
     },
     /// A round body has a size.
-    #[error("the {what} is {value} m; it must be positive and finite")]
+    #[error("the {what} is {value} m; it must be positive and finite", value = Readable(value))]
     Length {
         /// Which length.
         what: &'static str,
@@ -152,16 +167,19 @@ pub enum RigidError {
         value: f64,
     },
     /// A density is positive.
-    #[error("the density is {0}; it must be positive and finite")]
+    #[error("the density is {}; it must be positive and finite", Readable(.0))]
     Density(f64),
     /// A shape whose area or volume is not positive, or whose moments are not numbers.
-    #[error("the shape has measure {measure}; a body needs a positive and finite one")]
+    #[error(
+        "the shape has measure {measure}; a body needs a positive and finite one",
+        measure = Readable(measure)
+    )]
     NoMeasure {
         /// Its area (m^2) or volume (m^3).
         measure: f64,
     },
     /// A number that is not negative.
-    #[error("{what} is {value}; it must be finite and not negative")]
+    #[error("{what} is {value}; it must be finite and not negative", value = Readable(value))]
     Negative {
         /// What it is.
         what: &'static str,

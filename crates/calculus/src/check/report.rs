@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::differences::Differences;
-use crate::SizeError;
+use crate::{Readable, SizeError};
 
 /// A derivative that can be checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,7 +160,7 @@ pub enum DerivativeError {
         q: Vec<f64>,
     },
     /// A setting of the check is no number that it can use.
-    #[error("the {setting} is {value}; it must be {rule}")]
+    #[error("the {setting} is {value}; it must be {rule}", value = Readable(value))]
     Setting {
         /// Which setting.
         setting: &'static str,
@@ -208,7 +208,8 @@ pub enum DerivativeError {
     },
     /// A block of the Hessian is not symmetric.
     #[error(
-        "a block of the Hessian is not symmetric: entry ({row}, {column}) is {entry}, its mirror {mirror}"
+        "a block of the Hessian is not symmetric: entry ({row}, {column}) is {entry}, its mirror {mirror}",
+        entry = Readable(entry), mirror = Readable(mirror)
     )]
     NotSymmetric {
         /// Row of the entry.

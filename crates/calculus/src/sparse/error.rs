@@ -1,6 +1,6 @@
 //! What can go wrong with sparse matrices and their factors.
 
-use crate::{SizeError, Unsolvable};
+use crate::{Readable, SizeError, Unsolvable};
 
 /// A solution of a system that is not definite is trusted up to this residual, relative to the
 /// right-hand side.
@@ -93,7 +93,7 @@ pub enum SparseError {
         relative_residual: f64,
     },
     /// The tolerance of an iteration is no number that a residual can reach.
-    #[error("the tolerance is {0}; it must be zero or positive")]
+    #[error("the tolerance is {}; it must be zero or positive", Readable(.0))]
     Tolerance(f64),
     /// An iteration was ended by its bound.
     #[error("{iterations} iterations left a relative residual of {relative_residual:e}")]

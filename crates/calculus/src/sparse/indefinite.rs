@@ -13,7 +13,8 @@
 //! r = b - A x,    x <- x + A^-1 r       while the residual halves,
 //! ```
 //! and refused, with its relative residual, if `|r| <= 1e-8 |b|` does not hold in the end: rounding x
-//! alone leaves `eps |A| |x|`, so that from a condition of 1e8 on some b are refused. A matrix is
+//! alone leaves `eps |A| |x|`, so that from a condition of 1e8 on some b are refused. Before it is, `L U` takes
+//! over from `L B L^T`, of which entries may have grown unseen. A matrix is
 //! called singular when it is factored if a known vector v is not found again up to 1e-3, or if
 //! rounding alone could have moved it by more,
 //!
@@ -122,22 +123,27 @@ impl SparseIndefinite {
             return Err(SparseError::NonFinite);
         }
         self.unit = power_of_two(largest_or_nan(matrix.values().iter().map(|entry| entry.abs())));
-        let in_range: SymmetricMatrix;
-        let factored = if self.unit == 1.0 {
-            matrix
-        } else {
-            in_range = matrix.divided_by(self.unit);
-            &in_range
-        };
+        let in_range = self.in_range(matrix);
+        let factored = in_range.as_ref().unwrap_or(matrix);
         if self.symmetric.factor(factored) && self.finds_a_known_vector(Pivoting::Symmetric, matrix)
         {
             return Ok(Pivoting::Symmetric);
         }
+        self.factor_by_rows(matrix)
+    }
+
+    /// The matrix over its unit, where that is not 1.
+    fn in_range(&self, matrix: &SymmetricMatrix) -> Option<SymmetricMatrix> {
+        (self.unit != 1.0).then(|| matrix.divided_by(self.unit))
+    }
+
+    fn factor_by_rows(&mut self, matrix: &SymmetricMatrix) -> Result<Pivoting, SparseError> {
+        let in_range = self.in_range(matrix);
         let rows = match &mut self.rows {
             Some(rows) => rows,
             none => none.insert(RowPivoting::analyse(matrix)?),
         };
-        rows.factor(factored)?;
+        rows.factor(in_range.as_ref().unwrap_or(matrix))?;
         if self.finds_a_known_vector(Pivoting::Rows, matrix) {
             return Ok(Pivoting::Rows);
         }
@@ -176,6 +182,30 @@ impl SparseIndefinite {
         }
         self.pattern.check_vector(b)?;
         let pivoting = self.pivoting.ok_or(SparseError::NotFactored)?;
+        match self.solve_by(pivoting, matrix, b, trusted) {
+            // Exchanges within panels let entries of L grow, by which a known vector is found again and b is not.
+            Err(SparseError::Untrusted { relative_residual })
+                if pivoting == Pivoting::Symmetric && relative_residual.is_finite() =>
+            {
+                let known_vector_error = self.found_off;
+                if self.factor_by_rows(matrix).is_ok() {
+                    return self.solve_by(Pivoting::Rows, matrix, b, trusted);
+                }
+                (self.pivoting, self.found_off) = (Some(pivoting), known_vector_error);
+                Err(SparseError::Untrusted { relative_residual })
+            }
+            solved => solved,
+        }
+    }
+
+    /// Solves by these factors; after an error b is as it was.
+    fn solve_by(
+        &mut self,
+        pivoting: Pivoting,
+        matrix: &SymmetricMatrix,
+        b: &mut [f64],
+        trusted: f64,
+    ) -> Result<Refined, SparseError> {
         self.given.copy_from_slice(b);
         let scale = largest_or_nan(b.iter().map(|b| b.abs()));
         // What is large is divided, as the terms of the residual may be larger than both A and x.
@@ -206,7 +236,10 @@ impl SparseIndefinite {
         let least = (scale / load).max(LEAST);
         let relative_residual = if residual == 0.0 { 0.0 } else { residual / least };
         b.iter_mut().zip(&self.best).for_each(|(b, best)| *b = best * load);
-        if relative_residual <= trusted && first_non_finite(b).is_none() {
+        // Of what is too large for a number no residual is left that says anything.
+        let is_number = first_non_finite(b).is_none();
+        let relative_residual = if is_number { relative_residual } else { f64::INFINITY };
+        if relative_residual <= trusted {
             Ok(Refined { relative_residual, corrections })
         } else {
             b.copy_from_slice(&self.given);
@@ -251,16 +284,13 @@ impl SparseIndefinite {
         let mut b = std::mem::take(&mut self.product);
         b.fill(0.0);
         matrix.add_product_unchecked(1.0, &self.best, &mut b);
-        self.pivoting = Some(pivoting);
-        let solved = self.solve(matrix, &mut b).is_ok();
+        let solved = self.solve_by(pivoting, matrix, &mut b, TRUSTED).is_ok();
         let off = largest_or_nan(b.iter().enumerate().map(|(i, x)| (x * unit - known(i)).abs()));
         self.product = b;
         let moved = self.moved_by_rounding(pivoting, matrix);
         let found = solved && off <= FOUND_AGAIN && moved <= FOUND_AGAIN;
         self.found_off = if found { off } else { f64::INFINITY };
-        if !found {
-            self.pivoting = None;
-        }
+        self.pivoting = found.then_some(pivoting);
         found
     }
 

@@ -1,6 +1,6 @@
 //! What can go wrong in a run that chooses its own steps.
 
-use stationary_calculus::SizeError;
+use stationary_calculus::{Readable, SizeError};
 
 use super::Moment;
 
@@ -8,11 +8,12 @@ use super::Moment;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ControlError {
     /// A relative tolerance below rounding or so large that it asks for nothing.
-    #[error("the relative tolerance is {0}; it must be at least 1e-14 and below 1")]
+    #[error("the relative tolerance is {}; it must be at least 1e-14 and below 1", Readable(.0))]
     Relative(f64),
     /// An absolute tolerance that is not a size.
     #[error(
-        "the absolute tolerance of component {component} is {value}; it must be positive and finite"
+        "the absolute tolerance of component {component} is {value}; it must be positive and finite",
+        value = Readable(value)
     )]
     Absolute {
         /// The first such component.
@@ -21,7 +22,7 @@ pub enum ControlError {
         value: f64,
     },
     /// Steps go forward in time by a finite amount.
-    #[error("the step is {0} s; it must be positive and finite")]
+    #[error("the step is {} s; it must be positive and finite", Readable(.0))]
     Step(f64),
     /// A run takes steps.
     #[error("the bound on the number of steps is 0")]
@@ -49,7 +50,10 @@ pub enum AdaptiveError {
         highest: usize,
     },
     /// The state to start from, or f there, is not finite.
-    #[error("{what} is not finite at t = {t} s, first in component {component}")]
+    #[error(
+        "{what} is not finite at t = {t} s, first in component {component}",
+        t = Readable(t)
+    )]
     NonFinite {
         /// What is not finite.
         what: &'static str,
@@ -59,7 +63,10 @@ pub enum AdaptiveError {
         component: usize,
     },
     /// Time runs forward.
-    #[error("the end {end} s does not lie ahead of t = {t} s")]
+    #[error(
+        "the end {end} s does not lie ahead of t = {t} s",
+        end = Readable(end), t = Readable(t)
+    )]
     End {
         /// The end asked for, seconds.
         end: f64,
@@ -67,7 +74,7 @@ pub enum AdaptiveError {
         t: f64,
     },
     /// No step that the clock resolves meets the tolerance: a singularity, or a jump.
-    #[error("the step shrank to {step:e} s at t = {} s, which the clock does not resolve", last.t)]
+    #[error("the step shrank to {step:e} s at t = {} s, which the clock does not resolve", Readable(&last.t))]
     StepTooSmall {
         /// The step that was refused, seconds.
         step: f64,
@@ -75,7 +82,7 @@ pub enum AdaptiveError {
         last: Moment<Vec<f64>>,
     },
     /// More steps than the caller allows.
-    #[error("{steps} steps were tried, and t = {} s is as far as they led", last.t)]
+    #[error("{steps} steps were tried, and t = {} s is as far as they led", Readable(&last.t))]
     TooManySteps {
         /// Accepted and rejected steps together.
         steps: u64,
@@ -83,7 +90,10 @@ pub enum AdaptiveError {
         last: Moment<Vec<f64>>,
     },
     /// Dense output knows the last step only.
-    #[error("t = {t} s lies outside the last step, from {from} s to {to} s")]
+    #[error(
+        "t = {t} s lies outside the last step, from {from} s to {to} s",
+        t = Readable(t), from = Readable(from), to = Readable(to)
+    )]
     OutsideStep {
         /// The time asked for, seconds.
         t: f64,
@@ -93,7 +103,7 @@ pub enum AdaptiveError {
         to: f64,
     },
     /// Times of output that do not ascend.
-    #[error("output time {place} is {t} s; the times must be finite and ascend")]
+    #[error("output time {place} is {t} s; the times must be finite and ascend", t = Readable(t))]
     OutputTimes {
         /// Its place in the list, counted from 0.
         place: usize,
@@ -101,7 +111,10 @@ pub enum AdaptiveError {
         t: f64,
     },
     /// A function of the event that is not a number.
-    #[error("the event's function is {value} at t = {t} s")]
+    #[error(
+        "the event's function is {value} at t = {t} s",
+        value = Readable(value), t = Readable(t)
+    )]
     EventValue {
         /// The time, seconds.
         t: f64,
@@ -110,7 +123,8 @@ pub enum AdaptiveError {
     },
     /// The event that the caller waited for did not happen.
     #[error(
-        "the event's function went from {first} to {last} without the crossing asked for until t = {end} s"
+        "the event's function went from {first} to {last} without the crossing asked for until t = {end} s",
+        first = Readable(first), last = Readable(last), end = Readable(end)
     )]
     NoEvent {
         /// The value at the start.
@@ -121,7 +135,10 @@ pub enum AdaptiveError {
         end: f64,
     },
     /// A saved number that is not finite, or is none that its place can hold.
-    #[error("saved number {slot} is {value}, which no run of this method leaves there")]
+    #[error(
+        "saved number {slot} is {value}, which no run of this method leaves there",
+        value = Readable(value)
+    )]
     SavedNumber {
         /// Its place, counted from 0.
         slot: usize,

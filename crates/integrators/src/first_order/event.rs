@@ -5,8 +5,9 @@
 //! ```
 //! A crossing is found from the signs of g at the ends of a step, and at points between them if
 //! asked for, and located by a bracketing search: secants on a bracket that halves whenever they do
-//! not shrink it enough, so that the number of evaluations is bounded. Two crossings between
-//! neighbouring points are not seen: shorten the longest step, or look at more points.
+//! not shrink it enough, so that the number of evaluations is bounded. A step may have several: each search goes
+//! on where the last one ended. Two crossings between neighbouring points are not seen: shorten the longest step,
+//! or look at more points.
 
 use stationary_calculus::Storage;
 
@@ -41,8 +42,10 @@ pub struct Event<G, C> {
     function: G,
     direction: Direction,
     points: u32,
-    /// Time and value at the end of what was looked at, once something was.
-    seen: Option<(f64, f64)>,
+    /// Time and value at the end of the step that was looked at last.
+    end: Option<(f64, f64)>,
+    /// Time and value where the search stands in the step of this number.
+    stands: Option<(u64, (f64, f64))>,
     found: Moment<C>,
 }
 
@@ -53,7 +56,7 @@ const MOST_EVALUATIONS: u32 = 180;
 impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
     /// The crossings of `function(t, y)`, for a state of the size of `like`.
     pub fn new(direction: Direction, like: &Moment<C>, function: G) -> Self {
-        Event { function, direction, points: 0, seen: None, found: like.clone() }
+        Event { function, direction, points: 0, end: None, stands: None, found: like.clone() }
     }
 
     /// Looks at this many points within each step, too.
@@ -66,9 +69,9 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
         &self.found
     }
 
-    /// The value where the search stands; NaN before it began.
+    /// The value at the end of what was looked at; NaN before anything was.
     pub(crate) fn value(&self) -> f64 {
-        self.seen.map_or(f64::NAN, |seen| seen.1)
+        self.end.map_or(f64::NAN, |end| end.1)
     }
 
     fn evaluate(&mut self, t: f64, y: &[f64]) -> Result<f64, AdaptiveError> {
@@ -78,7 +81,7 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
 
     pub(crate) fn begin(&mut self, moment: &Moment<C>) -> Result<f64, AdaptiveError> {
         let value = self.evaluate(moment.t, moment.y.as_ref())?;
-        self.seen = Some((moment.t, value));
+        (self.end, self.stands) = (Some((moment.t, value)), None);
         Ok(value)
     }
 
@@ -93,7 +96,8 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
         value
     }
 
-    /// Whether the step has a crossing: the first one then stands in [`Event::moment`].
+    /// Whether the step has a crossing that was not found yet: the first such one then stands in [`Event::moment`],
+    /// and the next call with the same step goes on behind it.
     ///
     /// # Errors
     /// [`AdaptiveError::EventValue`] where the function is NaN; those of
@@ -102,37 +106,39 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
         &mut self,
         step: &mut AcceptedStep<'_, C, A>,
     ) -> Result<bool, AdaptiveError> {
-        let (from, to) = (step.from(), step.to());
-        let mut before = match self.seen {
-            Some((t, value)) if t == from => (t, value),
+        let (number, from, to) = (step.number(), step.from(), step.to());
+        let mut before = match (self.stands, self.end) {
+            (Some((of, stands)), _) if of == number => stands,
+            (_, Some(end)) if end.0 == from => end,
             _ => (from, self.evaluate_within(step, from)?),
         };
         let last = self.evaluate(to, step.moment().y.as_ref())?;
-        self.seen = Some((to, last));
+        self.end = Some((to, last));
         for point in 1..=self.points + 1 {
-            let after = if point > self.points {
-                (to, last)
-            } else {
-                let t = from + (to - from) * f64::from(point) / f64::from(self.points + 1);
-                (t, self.evaluate_within(step, t)?)
-            };
-            if self.direction.crosses(before.1, after.1) {
-                self.locate(step, before, after)?;
+            let part = f64::from(point) / f64::from(self.points + 1);
+            let t = if point > self.points { to } else { from + (to - from) * part };
+            if t <= before.0 {
+                continue;
+            }
+            let value = if t == to { last } else { self.evaluate_within(step, t)? };
+            if self.direction.crosses(before.1, value) {
+                self.stands = Some((number, self.locate(step, before, (t, value))?));
                 return Ok(true);
             }
-            before = after;
+            before = (t, value);
         }
+        self.stands = Some((number, before));
         Ok(false)
     }
 
     /// Narrows the bracket to neighbouring times and leaves the later end, where the sign has
-    /// changed, in `found`.
+    /// changed, in `found`; that end.
     fn locate<A: AdaptiveMethod<C> + ?Sized>(
         &mut self,
         step: &mut AcceptedStep<'_, C, A>,
         mut a: (f64, f64),
         mut b: (f64, f64),
-    ) -> Result<(), AdaptiveError> {
+    ) -> Result<(f64, f64), AdaptiveError> {
         let sign = a.1.signum();
         // Weights of the ends: an end that stays put counts half, so that the other one moves next.
         let mut weights = [1.0, 1.0];
@@ -163,6 +169,7 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
                 (b, weights) = ((t, value), [0.5 * weights[0], 1.0]);
             }
         }
-        self.evaluate_within(step, b.0).map(drop)
+        self.evaluate_within(step, b.0)?;
+        Ok(b)
     }
 }

@@ -4,13 +4,17 @@
 //! h (max(|f|, |f'|))^(1/k) ~ 0.01^(1/k)        in the norm of the tolerance
 //! ```
 //! `f'` by a difference along an explicit Euler step that is short enough to be harmless, `k` the
-//! order. A guess only: the error of the first step decides.
+//! order. A guess only: the error of the first step decides. It is long enough for the clock to resolve, whatever
+//! the unit of time.
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4.
 
 use stationary_calculus::Storage;
 
 use super::error_scale::{ErrorScale, norm};
 use super::{Moment, VectorField};
+
+/// A first step is at least this part of the time at which it begins.
+pub(crate) const CLOCK: f64 = 1e-12;
 
 /// A step for a method of order `k`, with one evaluation of f beside the known `f`.
 pub(crate) fn guess_step<F: VectorField, C: Storage>(
@@ -40,5 +44,6 @@ pub(crate) fn guess_step<F: VectorField, C: Storage>(
         (0.01 / steepest).powf(1.0 / f64::from(k))
     };
     // Where f is not finite nearby, the control of errors finds a step or says that there is none.
-    if longer > 0.0 { longer.min(100.0 * short) } else { short }
+    let guess = if longer > 0.0 { longer.min(100.0 * short) } else { short };
+    guess.max(CLOCK * t.abs())
 }

@@ -23,6 +23,11 @@ pub struct AcceptedStep<'a, C, A: ?Sized> {
 }
 
 impl<C: Storage, A: AdaptiveMethod<C> + ?Sized> AcceptedStep<'_, C, A> {
+    /// Which step of its method it is.
+    pub(super) fn number(&self) -> u64 {
+        self.method.work().steps
+    }
+
     /// The time at which the step began, seconds.
     pub fn from(&self) -> f64 {
         self.from

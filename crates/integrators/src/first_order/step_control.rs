@@ -102,7 +102,8 @@ impl StepControl {
         Ok(StepControl { first: Some(positive(h)?), ..self })
     }
 
-    /// Takes no step longer than `h` seconds.
+    /// Takes no step longer than `h` seconds; only one that ends at the end may be a hundredth longer, so that no
+    /// sliver is left.
     ///
     /// # Errors
     /// [`ControlError::Step`] unless `h` is positive and finite.
@@ -110,8 +111,8 @@ impl StepControl {
         Ok(StepControl { longest: positive(h)?, ..self })
     }
 
-    /// Takes every step `h` seconds long, whatever its error, unless its equation has no solution.
-    /// The tolerance still governs the solution of implicit steps.
+    /// Takes every step `h` seconds long, whatever its error, unless its equation has no solution. One that ends at
+    /// the end is as long as what is left, at most a hundredth longer. The tolerance still governs the solution of implicit steps.
     ///
     /// # Errors
     /// [`ControlError::Step`] unless `h` is positive and finite.

@@ -18,7 +18,7 @@ use stationary_calculus::{Covector, Metric, Potential, SizeError, Storage, Syste
 
 use super::NystromPair;
 use crate::State;
-use crate::first_order::ErrorScale;
+use crate::first_order::{CLOCK, ErrorScale};
 use crate::integrator::zeros;
 
 /// The memory of a step of the pair `T` on a system, which computes it.
@@ -200,9 +200,6 @@ where
         short.max(CLOCK * state.t.abs())
     }
 }
-
-/// A first step is at least this part of the time at which it begins.
-const CLOCK: f64 = 1e-12;
 
 /// The root mean square of `u`, in units of what is tolerated between two states.
 #[inline(always)]

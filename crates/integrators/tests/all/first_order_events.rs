@@ -62,6 +62,34 @@ fn events_within_a_run_are_counted_and_have_a_direction() {
 }
 
 #[test]
+fn every_crossing_of_a_step_is_found_in_turn() {
+    // Steps over which the function turns several times: x = t, and crossings of a half at known times.
+    let field = FunctionField::new(1, |_t, _y: &[f64], f: &mut [f64]| f[0] = 1.0);
+    let start = Moment::new(0.0, [0.0]);
+    let wave = |_t: f64, y: &[f64]| (std::f64::consts::TAU * y[0]).sin() - 0.5;
+    for mut method in all(&field, &control(1e-6), &start) {
+        let name = method.facts().name;
+        let mut event = Event::new(Direction::Any, &start, wave).looking_at(400);
+        let (mut times, mut longest) = (Vec::new(), 0.0_f64);
+        integrate(&mut *method, 10.0, |mut step| {
+            longest = longest.max(step.to() - step.from());
+            while event.crossing(&mut step).unwrap() {
+                times.push(event.moment().t);
+            }
+            assert!(!event.crossing(&mut step).unwrap());
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert!(longest > 1.0, "{name}: {longest}");
+        let expected = (0..20).map(|k| f64::from(k / 2) + [1.0, 5.0][k as usize % 2] / 12.0);
+        let expected: Vec<f64> = expected.collect();
+        assert_eq!(times.len(), 20, "{name}: {times:?}");
+        let off = times.iter().zip(&expected).map(|(t, e)| (t - e).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{name}: {off:e}");
+    }
+}
+
+#[test]
 fn an_event_that_never_comes_is_an_error() {
     let field = FunctionField::new(1, |_t, y: &[f64], f: &mut [f64]| f[0] = -y[0]);
     let start = Moment::new(0.0, [1.0]);
@@ -107,4 +135,15 @@ fn output_at_given_times_costs_no_steps() {
         assert_eq!(bare.work().steps, method.work().steps);
         assert_eq!(bare.moment(), method.moment());
     }
+}
+
+#[test]
+fn tiny_and_huge_numbers_are_shown_with_an_exponent() {
+    let last = Moment::new(6e-75, Vec::new());
+    let error = AdaptiveError::TooManySteps { steps: 3, last: last.clone() };
+    assert_eq!(error.to_string(), "3 steps were tried, and t = 6e-75 s is as far as they led");
+    let error = AdaptiveError::StepTooSmall { step: 1e-300, last };
+    assert!(error.to_string().contains("1e-300 s at t = 6e-75 s,"), "{error}");
+    let error = AdaptiveError::End { end: -1e300, t: 2.5 };
+    assert_eq!(error.to_string(), "the end -1e300 s does not lie ahead of t = 2.5 s");
 }

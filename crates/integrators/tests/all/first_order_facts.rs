@@ -11,6 +11,8 @@ use stationary_integrators::{
 };
 use stationary_measure::loglog_slope;
 
+use crate::first_order_methods::{all, control};
+
 type Method<'f, const N: usize> = Box<dyn AdaptiveMethod<[f64; N]> + 'f>;
 
 /// Every method on a field, by its place: two of one step, the formulas of order 1 to 5, DOPRI5.
@@ -320,4 +322,21 @@ fn vectors_give_the_same_numbers_as_arrays() {
         end(BackwardDifferences::new(&field, control(), array).unwrap()),
         end(BackwardDifferences::new(&field, control(), vector).unwrap()),
     );
+}
+
+#[test]
+fn a_motion_of_ages_that_begins_late_is_begun_by_a_step_that_the_clock_resolves() {
+    // An oscillation of 2e5 years, told in seconds since long ago.
+    const RATE: f64 = 1e-12;
+    let field = FunctionField::new(2, |_t, y: &[f64], f: &mut [f64]| {
+        f.copy_from_slice(&[RATE * y[1], -RATE * y[0]]);
+    });
+    let start = Moment::new(1e14, [1.0, 0.0]);
+    for mut method in all(&field, &control(1e-6), &start) {
+        let name = method.facts().name;
+        let ran = integrate(&mut *method, 1e14 + 1.0 / RATE, |_| ControlFlow::Continue(()));
+        ran.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let off = (method.moment().y[0] - 1.0_f64.cos()).abs();
+        assert!(off < 1e-5, "{name}: {off:e}");
+    }
 }

@@ -1,5 +1,6 @@
 //! What can be wrong with a joint, and how a message names it.
 
+use stationary_calculus::Readable;
 use std::fmt;
 
 /// A joint as a message names it: its kind and its bodies, as "hinge between body 3 and the world".
@@ -56,7 +57,7 @@ pub enum JointFault {
         value: f64,
     },
     /// A length that is not positive.
-    #[error("{what} is {value} m; it must be positive")]
+    #[error("{what} is {value} m; it must be positive", value = Readable(value))]
     NotPositive {
         /// What is not positive.
         what: &'static str,
@@ -66,7 +67,8 @@ pub enum JointFault {
     /// Limits in the wrong order, not numbers, or of a turn beyond half a turn.
     #[error(
         "the limits are {low} and {high}; the first must be below the second, and those of a turn within \
-         half a turn of zero"
+         half a turn of zero",
+        low = Readable(low), high = Readable(high)
     )]
     Limits {
         /// The lower limit.
@@ -75,7 +77,7 @@ pub enum JointFault {
         high: f64,
     },
     /// The rotation of a frame whose quaternion has not length 1.
-    #[error("the rotation of its frame has a quaternion of length {0}; it must be 1")]
+    #[error("the rotation of its frame has a quaternion of length {}; it must be 1", Readable(.0))]
     NotUnit(f64),
     /// A freedom that a schedule cannot prescribe.
     #[error(

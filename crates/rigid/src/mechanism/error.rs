@@ -1,6 +1,6 @@
 //! What a mechanism cannot be asked.
 
-use stationary_calculus::{LeastNormError, SizeError};
+use stationary_calculus::{LeastNormError, Readable, SizeError};
 
 /// A question about a mechanism without an answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,7 +49,10 @@ pub enum MechanismError {
         residual: f64,
     },
     /// A drive whose speed jumps has no acceleration then.
-    #[error("{name} is driven with a speed that jumps at {t} s: ask before or after it")]
+    #[error(
+        "{name} is driven with a speed that jumps at {t} s: ask before or after it",
+        t = Readable(t)
+    )]
     RateJumps {
         /// The equation, counted from 0.
         row: usize,

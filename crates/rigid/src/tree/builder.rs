@@ -259,6 +259,13 @@ impl Tree {
         (0..self.links.len()).filter(|&body| self.links[body].forks).collect()
     }
 
+    /// The largest radius of gyration of a body, metres.
+    pub(super) fn radius(&self) -> f64 {
+        let massive = self.links.iter().filter(|link| link.mass > 0.0);
+        let radius = |link: &Link| (0.5 * link.moments.sum() / link.mass).sqrt();
+        massive.map(radius).fold(0.0, f64::max)
+    }
+
     /// The number of bodies on the longest branch.
     pub(super) fn depth(&self) -> usize {
         let mut depths = vec![1; self.links.len()];

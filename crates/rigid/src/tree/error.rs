@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use stationary_calculus::{SizeError, first_non_finite};
+use stationary_calculus::{Readable, SizeError, first_non_finite};
 
 use crate::{JointFault, JointName};
 
@@ -95,7 +95,10 @@ pub enum TreeError {
         gap: f64,
     },
     /// A quaternion without a direction.
-    #[error("{joining}: a quaternion of length {length}; it must have a direction")]
+    #[error(
+        "{joining}: a quaternion of length {length}; it must have a direction",
+        length = Readable(length)
+    )]
     Quaternion {
         /// The joint.
         joining: Joining,

@@ -13,6 +13,7 @@
 use std::fmt;
 use std::rc::Rc;
 
+use nalgebra::Vector3;
 use stationary_calculus::{SizeError, Vector, directional_derivative, second_differential};
 
 use super::builder::Tree;
@@ -78,6 +79,8 @@ impl TreeMotion {
 pub struct TreeDrive {
     pub(super) coordinate: usize,
     pub(super) speed: usize,
+    /// What its coordinate is measured by where that is nearly zero: a radian, or the size of a body, metres.
+    unit: f64,
     /// Coordinate, speed and acceleration at a time.
     moves: Rc<dyn Fn(f64) -> [f64; 3]>,
 }
@@ -110,6 +113,10 @@ impl TreeDrive {
             let fault = JointFault::NotDriven { freedom, freedoms: own };
             return Err(TreeError::Joint { joining: tree.joining(body), fault });
         }
+        let link = tree.link(body)?;
+        let (rest, mut columns) = (vec![0.0; own], [Twist::zero(); 6]);
+        link.joint.columns(&rest, &link.joint.motion(&rest), &mut columns);
+        let turns = columns[freedom].angular != Vector3::zeros();
         let moves = move |t: f64| {
             let one = Vector([1.0]);
             [
@@ -121,6 +128,7 @@ impl TreeDrive {
         Ok(TreeDrive {
             coordinate: coordinates.start + freedom,
             speed: speeds.start + freedom,
+            unit: if turns { 1.0 } else { tree.radius() },
             moves: Rc::new(moves),
         })
     }
@@ -144,6 +152,11 @@ impl TreeDrive {
     /// The coordinate, its speed and its acceleration at a time: of a turn radians, of a shift metres.
     pub fn motion(&self, t: f64) -> [f64; 3] {
         (self.moves)(t)
+    }
+
+    /// What a distance from a place of its coordinate is measured by.
+    pub(super) fn size(&self, place: f64) -> f64 {
+        place.abs().max(self.unit)
     }
 
     /// Where its coordinate and its speed stand among those of the tree.

@@ -207,7 +207,7 @@ impl<D> TreeVariational<D> {
         for drive in &self.held.drives {
             let (number, [place, ..]) = (drive.coordinate, drive.motion(state.t));
             let off = (state.q[number] - place).abs();
-            if off.is_nan() || off > UNIT * place.abs().max(1.0) {
+            if off.is_nan() || off > UNIT * drive.size(place) {
                 return Err(StepError::Configuration { number });
             }
         }

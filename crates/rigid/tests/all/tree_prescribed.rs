@@ -217,3 +217,38 @@ fn integrate_to<F: VectorField>(field: F, y: Vec<f64>, time: f64) -> Vec<f64> {
     }
     method.moment().y.clone()
 }
+
+/// A sinusoidal shift, metres.
+#[derive(Clone, Copy)]
+struct Shaken(f64);
+
+impl Schedule for Shaken {
+    fn at<R: Number>(&self, t: R) -> R {
+        (t * 4.0).sin() * self.0
+    }
+}
+
+#[test]
+fn a_shift_follows_its_schedule_to_rounding_whatever_the_unit_of_length() {
+    for unit in [1.0, 2.0_f64.powi(-20), 2.0_f64.powi(-40)] {
+        let at = |z: f64| at(z * unit);
+        let body = Body::solid_box(1.0, [0.05, 0.1, 0.5].map(|half| half * unit)).unwrap();
+        let (slider, [x, y]) = (JointKind::Slider { axis: Vector3::x() }, [1.0, 0.2]);
+        let mut builder = TreeBuilder::default();
+        let cart = builder.hang(None, slider, [at(0.0), at(0.0)], body);
+        builder.hang(Some(cart), HINGE, [at(0.0), at(0.5)], body);
+        let tree = builder.build().unwrap();
+        let drive = TreeDrive::new(&tree, 0, 0, Shaken(0.3 * unit)).unwrap();
+        let steps = TreeVariational::new(tree, GRAVITY * unit).unwrap();
+        let mut steps = steps.prescribed(vec![drive]).unwrap();
+        let mut state = steps.state(&[0.0, x], &[0.0, y]).unwrap();
+        for _ in 0..100 {
+            steps.step(&mut state, 5e-3).unwrap();
+            let off = state.q[0] / unit - 0.3 * (4.0 * state.t).sin();
+            assert!(off.abs() < 1e-14, "{unit:e}: {off:e}");
+        }
+        state.q[0] += 1e-3 * unit;
+        let refused = steps.step(&mut state, 5e-3);
+        assert_eq!(refused, Err(StepError::Configuration { number: 0 }), "{unit:e}");
+    }
+}

@@ -10,6 +10,8 @@
 
 use std::fmt;
 
+use stationary_calculus::Readable;
+
 use crate::assemble::error::AssemblyError;
 use crate::model::scene::Scene;
 #[cfg(feature = "laplacian")]
@@ -36,6 +38,7 @@ pub struct UnstableStep {
 impl fmt::Display for UnstableStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let UnstableStep { method, step, stable } = self;
+        let step = Readable(step);
         if *stable > 0.0 {
             return write!(
                 f,

@@ -7,7 +7,7 @@
 //! WriteError    the folder or a file in it cannot be written
 //! ```
 
-use stationary_calculus::{NewtonError, NewtonFailure};
+use stationary_calculus::{NewtonError, NewtonFailure, Readable};
 use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::assemble::error::AssemblyError;
@@ -57,7 +57,10 @@ impl RunError {
 /// A step of bodies or of heat that failed, or one after which a sample is not finite, and what was
 /// computed before.
 #[derive(Debug, thiserror::Error)]
-#[error("step {step}, from t = {time} {unit}: {reason}{}", advice(self.unstable.as_ref()))]
+#[error(
+    "step {step}, from t = {time} {unit}: {reason}{}", advice(self.unstable.as_ref()),
+    time = Readable(time)
+)]
 pub struct Stop {
     /// The step, counted from 1.
     pub step: u64,
@@ -132,7 +135,8 @@ pub enum StepFailure {
     /// What is sampled exceeds the range of a double, though the state does not.
     #[error(
         "{quantity} is not finite (got {value}); where the motion grows without bound take a smaller \
-         step, else units in which it is smaller than 1e308"
+         step, else units in which it is smaller than 1e308",
+        value = Readable(value)
     )]
     Overflow {
         /// The name of the quantity.
@@ -147,7 +151,8 @@ pub enum StepFailure {
 #[error(
     "step {step}, from t = {time} {unit}: {}{}",
     self.reason(),
-    advice(self.unstable.as_ref())
+    advice(self.unstable.as_ref()),
+    time = Readable(time)
 )]
 pub struct Interruption {
     /// The step, counted from 1.

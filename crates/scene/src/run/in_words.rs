@@ -1,6 +1,7 @@
 //! What fails in a run, in the names of its scene: rods, joints, bodies and vertices instead of the rows
 //! of equations and the freedoms by which the crates below count.
 
+use stationary_calculus::Readable;
 use stationary_integrators::{AdaptiveError, StepError};
 
 use crate::assemble::error::AssemblyError;
@@ -90,7 +91,7 @@ impl Scene {
     fn adaptive_named(&self, error: &AdaptiveError) -> Option<String> {
         let AdaptiveError::NonFinite { what, t, component } = error else { return None };
         let (particle, axis) = self.particle_of(component % self.freedoms().max(1))?;
-        let time = &self.units.time;
+        let (t, time) = (Readable(t), &self.units.time);
         Some(format!("{what} is not finite at t = {t} {time}, first of `{particle}` in {axis}"))
     }
 

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use stationary_calculus::Readable;
 use toml::Spanned;
 
 use crate::text::beside::{failed, found};
@@ -43,7 +44,8 @@ fn rows(text: &str) -> Result<Vec<[f64; 2]>, String> {
             return Err(format!("line {number} has the number {x}; it must be finite"));
         }
         if let Some(last) = rows.last().filter(|last| row[0] < last[0]) {
-            return Err(format!("line {number}: the time {} is before {}", row[0], last[0]));
+            let [time, before] = [&row[0], &last[0]].map(Readable);
+            return Err(format!("line {number}: the time {time} is before {before}"));
         }
         if let [.., [first, _], [second, _]] = rows[..]
             && first == second

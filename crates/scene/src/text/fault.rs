@@ -4,6 +4,7 @@ mod bodies;
 mod claims;
 mod drives;
 
+use stationary_calculus::Readable;
 use stationary_integrators::HorizonError;
 
 pub use bodies::BodyFault;
@@ -11,14 +12,6 @@ pub use claims::ClaimFault;
 pub use drives::DriveFault;
 
 use crate::text::limits;
-
-/// A number as a reader takes it in: one far from 1 with an exponent, and not with hundreds of zeros.
-fn shown(x: &f64) -> String {
-    match x.abs() {
-        size if size >= 1e16 && size.is_finite() || size > 0.0 && size < 1e-5 => format!("{x:e}"),
-        _ => format!("{x}"),
-    }
-}
 
 /// What is wrong with a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,7 +49,7 @@ pub enum Fault {
         feature: &'static str,
     },
     /// A number that must be finite.
-    #[error("{what} is {}; it must be finite", shown(.value))]
+    #[error("{what} is {value}; it must be finite", value = Readable(value))]
     NotFinite {
         /// What the number is.
         what: &'static str,
@@ -64,7 +57,7 @@ pub enum Fault {
         value: f64,
     },
     /// A number that must be positive, finite, and so large that one over it is finite.
-    #[error("{what} is {}; it must be positive and finite", shown(.value))]
+    #[error("{what} is {value}; it must be positive and finite", value = Readable(value))]
     NotPositive {
         /// What the number is.
         what: &'static str,
@@ -120,7 +113,7 @@ pub enum Fault {
         second: String,
     },
     /// A rod has a length at the start.
-    #[error("the rod starts with length {0}; it must be positive and finite")]
+    #[error("the rod starts with length {}; it must be positive and finite", Readable(.0))]
     RodLength(f64),
     /// A tension between particles that no rod joins.
     #[error("no rod joins these particles")]
@@ -180,7 +173,7 @@ pub enum Fault {
     #[error("the spring starts with length zero, where its force has no direction")]
     Spike,
     /// A rest length outside its range.
-    #[error("the rest length is {0}; it must be positive, or zero with Cauchy strain")]
+    #[error("the rest length is {}; it must be positive, or zero with Cauchy strain", Readable(.0))]
     RestLength(f64),
     /// A rest length that is not given and not determined by the start either.
     #[error("the ends start in the same place, so that the spring needs a rest length")]
@@ -296,7 +289,7 @@ pub enum Fault {
     #[error("this observable is not available in {0}")]
     ObservableOfAnother(&'static str),
     /// A number below zero.
-    #[error("{what} is {}; it must not be negative", shown(.value))]
+    #[error("{what} is {value}; it must not be negative", value = Readable(value))]
     Negative {
         /// What has this value.
         what: &'static str,
@@ -304,7 +297,7 @@ pub enum Fault {
         value: f64,
     },
     /// A coefficient of restitution out of its range.
-    #[error("the restitution is {0}; it must be between 0 and 1")]
+    #[error("the restitution is {}; it must be between 0 and 1", Readable(.0))]
     Restitution(f64),
     /// Particles do not turn, and have no friction here.
     #[error("particles have no friction; only bodies do")]
@@ -322,7 +315,10 @@ pub enum Fault {
     #[error("the first of the two is moved until they touch: it must be a body")]
     PlacedFixed,
     /// A body for which no place was found.
-    #[error("no place was found at which the two touch; what is left between them is {gap}")]
+    #[error(
+        "no place was found at which the two touch; what is left between them is {gap}",
+        gap = Readable(gap)
+    )]
     NotPlaced {
         /// The gap.
         gap: f64,
@@ -380,9 +376,8 @@ pub enum Fault {
     TorsionDimension,
     /// The horizon is a whole number of steps.
     #[error(
-        "the horizon is {} steps of {}; it must be a whole number of steps",
-        shown(.steps),
-        shown(.step)
+        "the horizon is {steps} steps of {step}; it must be a whole number of steps",
+        steps = Readable(steps), step = Readable(step)
     )]
     NotWhole {
         /// The step.

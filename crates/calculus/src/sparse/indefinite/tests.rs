@@ -275,3 +275,50 @@ fn what_rounding_moves_is_estimated_and_decides_what_is_singular() {
         }
     }
 }
+
+/// A saddle matrix of condition 32, in whose `L B L^T` entries of L grow to 1e8.
+#[test]
+fn a_solution_that_exchanges_in_panels_leave_untrusted_is_found_by_exchanges_of_any_rows() {
+    let entries = [
+        (0, 0, -0.679_445_147_846_913_2),
+        (1, 0, 0.940_827_517_994_546_7),
+        (1, 1, 1.986_621_104_631_041_4),
+        (2, 0, -0.122_878_654_207_780_88),
+        (2, 2, 1.683_598_509_153_991_6),
+        (3, 0, 0.102_353_202_747_826),
+        (3, 3, 1.606_008_483_522_287),
+        (4, 4, 1.318_727_022_460_414_6),
+        (5, 4, -0.982_753_708_937_529_6),
+        (6, 0, -0.531_704_160_088_819_7),
+        (6, 1, 0.399_244_808_567_571_7),
+        (6, 2, 0.738_791_709_930_658),
+        (7, 1, 0.874_698_012_380_167_1),
+        (7, 2, 0.814_510_190_280_998_1),
+        (7, 4, -0.865_359_161_099_435_6),
+    ];
+    let blocks: Blocks = entries.map(|(i, j, a)| entry(i, j, a)).to_vec();
+    let (matrix, mut solver) = assembled(8, &blocks);
+    assert_eq!(solver.factor(&matrix), Ok(Pivoting::Symmetric));
+    let given = [-0.91, 0.56, 0.26, 0.12, -0.54, -0.71, 0.83, 0.02];
+    for _ in 0..2 {
+        let mut b = given;
+        solver.solve(&matrix, &mut b).unwrap();
+        assert!(relative_residual(&matrix, &b, &given) < 1e-14);
+    }
+    assert!(solver.known_vector_error() < 1e-12);
+}
+
+/// A block of one entry and its mirror.
+fn entry(i: usize, j: usize, a: f64) -> (Vec<usize>, Vec<f64>) {
+    if i == j { (vec![i], vec![a]) } else { (vec![i, j], vec![0.0, a, a, 0.0]) }
+}
+
+#[test]
+fn a_solution_too_large_for_a_number_is_refused_and_has_no_residual() {
+    let (matrix, mut solver) = assembled(2, &vec![entry(0, 1, 1e-200)]);
+    solver.factor(&matrix).unwrap();
+    let mut b = [1e200, 1.0];
+    let error = solver.solve(&matrix, &mut b).unwrap_err();
+    assert_eq!(error, SparseError::Untrusted { relative_residual: f64::INFINITY });
+    assert_eq!(b, [1e200, 1.0]);
+}

@@ -178,7 +178,7 @@ impl Held {
         let gaps = loops.iter().map(|row| [row.gap(motion), row.size(motion)]);
         let driven = drives.iter().map(|drive| {
             let place = drive.motion(t)[0];
-            [q[drive.coordinate] - place, place.abs().max(1.0)]
+            [q[drive.coordinate] - place, drive.size(place)]
         });
         let mut largest = 0.0_f64;
         for (change, [gap, size]) in change.iter_mut().zip(gaps.chain(driven)) {

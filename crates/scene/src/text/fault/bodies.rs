@@ -1,5 +1,7 @@
 //! What is wrong with bodies and joints.
 
+use stationary_calculus::Readable;
+
 /// What is wrong with bodies and joints.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -82,7 +84,8 @@ pub enum BodyFault {
     /// Two bodies that move apart where they are joined.
     #[error(
         "`{first}` and `{second}` move apart at {apart} a unit of time where they are joined: velocities that are \
-         given must fit there, and those that are not must follow from them"
+         given must fit there, and those that are not must follow from them",
+        apart = Readable(apart)
     )]
     JointTorn {
         /// One side.
@@ -94,7 +97,8 @@ pub enum BodyFault {
     },
     /// Two bodies that turn against each other as their joint forbids.
     #[error(
-        "the two sides turn against each other at {turn} radians a unit of time, as the joint forbids"
+        "the two sides turn against each other at {turn} radians a unit of time, as the joint forbids",
+        turn = Readable(turn)
     )]
     JointTurns {
         /// The size of what is forbidden of the difference of their angular velocities.
@@ -112,7 +116,8 @@ pub enum BodyFault {
     BoundsWithoutCoordinate,
     /// Limits that do not hold the start between them.
     #[error(
-        "the limits are {low} and {high}; the least comes first, and the start, which is at 0, is between them"
+        "the limits are {low} and {high}; the least comes first, and the start, which is at 0, is between them",
+        low = Readable(low), high = Readable(high)
     )]
     LimitsBesideTheStart {
         /// The first.
@@ -121,7 +126,7 @@ pub enum BodyFault {
         high: f64,
     },
     /// A turn is known up to whole ones.
-    #[error("the turn is {0} radians; it must be within half a turn, from -pi to pi")]
+    #[error("the turn is {} radians; it must be within half a turn, from -pi to pi", Readable(.0))]
     BeyondHalfATurn(f64),
     /// The rest of no spring.
     #[error("`rest` is of a spring: this joint has no `stiffness`")]

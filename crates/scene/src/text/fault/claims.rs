@@ -1,5 +1,7 @@
 //! What is wrong with claims.
 
+use stationary_calculus::Readable;
+
 /// What is wrong with claims.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -20,10 +22,13 @@ pub enum ClaimFault {
     #[error("this observable has {0} components; a claim of a number needs the `component` of one")]
     NoComponent(usize),
     /// A band that holds nothing.
-    #[error("the band is {0}; it must be 0 or above")]
+    #[error("the band is {}; it must be 0 or above", Readable(.0))]
     NegativeBand(f64),
     /// A time to which the scene does not run.
-    #[error("the claim is of time {time}; the scene runs from 0 to {horizon}")]
+    #[error(
+        "the claim is of time {time}; the scene runs from 0 to {horizon}",
+        time = Readable(time), horizon = Readable(horizon)
+    )]
     ClaimBeyond {
         /// The time.
         time: f64,
@@ -31,7 +36,10 @@ pub enum ClaimFault {
         horizon: f64,
     },
     /// A time at which nothing is written down.
-    #[error("there is no sample at time {time}; the nearest is at {nearest}")]
+    #[error(
+        "there is no sample at time {time}; the nearest is at {nearest}",
+        time = Readable(time), nearest = Readable(nearest)
+    )]
     ClaimBetweenSamples {
         /// The time.
         time: f64,

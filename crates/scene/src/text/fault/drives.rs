@@ -1,5 +1,7 @@
 //! What is wrong with loads, motors, motions and strengths in time.
 
+use stationary_calculus::Readable;
+
 /// What is wrong with loads, motors, motions and strengths in time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -38,7 +40,10 @@ pub enum DriveFault {
     #[error("`{0}` already has a motion")]
     TwoMotions(String),
     /// A motion begins where the particle is.
-    #[error("the strength of a motion is {0} at the start; it must be 0, where the particle is")]
+    #[error(
+        "the strength of a motion is {} at the start; it must be 0, where the particle is",
+        Readable(.0)
+    )]
     MotionFromElsewhere(f64),
     /// A strength in time is told in one way.
     #[error("a strength in time needs one of `step`, `ramp`, `sine` and `table`")]
@@ -65,7 +70,10 @@ pub enum DriveFault {
         got: usize,
     },
     /// A ramp that ends before it begins.
-    #[error("the ramp ends at {to}, not after its start at {from}")]
+    #[error(
+        "the ramp ends at {to}, not after its start at {from}",
+        to = Readable(to), from = Readable(from)
+    )]
     Backwards {
         /// When it begins.
         from: f64,
