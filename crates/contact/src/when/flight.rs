@@ -132,7 +132,7 @@ impl<M: Metric, P: Potential, K: Swept> Impacting<'_, M, P, K> {
             return Ok(state.q.clone());
         }
         if !resting.gaps.is_empty() {
-            return Ok(self.held_place(state, s, resting)?.0);
+            return Ok(self.held_place(state, s, resting)?.q);
         }
         let mut moved = state.clone();
         self.verlet.step(&mut moved, s)?;

@@ -29,6 +29,13 @@ pub(super) struct Resting {
     impact: Impact,
 }
 
+/// Where half a kick and a drift lead, how fast, and the impulses of what rests.
+pub(super) struct HeldPlace {
+    pub(super) q: Vec<f64>,
+    v: Vector<Vec<f64>>,
+    impulses: Vec<f64>,
+}
+
 impl Resting {
     /// Nothing.
     pub(super) fn none() -> Self {
@@ -87,12 +94,12 @@ impl<M: Metric, P: Potential, K: Swept> Impacting<'_, M, P, K> {
         state: &State<Vec<f64>>,
         h: f64,
         resting: &Resting,
-    ) -> Result<(Vec<f64>, Vector<Vec<f64>>, Vec<f64>), ContactError> {
+    ) -> Result<HeldPlace, ContactError> {
         let mut v = sum(&self.velocity(&state.p), &self.increment(state, 0.5 * h));
         let impulses = project(&resting.impact, v.view_mut())?.impulses;
         let mut q = state.q.clone();
         Vector(&mut q[..]).add_scaled(h, v.view());
-        Ok((q, v, impulses))
+        Ok(HeldPlace { q, v, impulses })
     }
 
     /// A step of Stormer-Verlet in which what rests does not close.
@@ -108,7 +115,7 @@ impl<M: Metric, P: Potential, K: Swept> Impacting<'_, M, P, K> {
             self.verlet.step(state, h)?;
             return Ok(());
         }
-        let (q, v, impulses) = self.held_place(state, h, resting)?;
+        let HeldPlace { q, v, impulses } = self.held_place(state, h, resting)?;
         let (time, gaps) = (state.t, &resting.gaps);
         seen(GapImpulses { time, q: &state.q, gaps, impulses: &impulses });
         (state.q, state.t) = (q, state.t + h);
