@@ -126,11 +126,13 @@ pub use shapes::planar_shape::PlanarShape;
 pub use shapes::shape::Shape;
 #[cfg(feature = "3d")]
 pub use shapes::spatial::Spatial;
+pub use when::choice::When;
 pub use when::gaps::{Balls, FixedBall, Inequality, Swept, Wall};
-pub use when::impacting::{GapImpulses, Impacting, ImpactingReport, REST_HEIGHT, When};
+pub use when::impacting::{GapImpulses, Impacting, ImpactingReport};
 pub use when::mesh_filter::{FilterReport, MeshFilter};
 pub use when::moving::{Closeness, Hit, Moving};
 pub use when::penalty::OneSidedPenalty;
+pub use when::rest::REST_HEIGHT;
 #[cfg(feature = "2d")]
 pub use when::rigid_path::PlanarPath;
 #[cfg(feature = "3d")]

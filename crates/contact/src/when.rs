@@ -10,4 +10,8 @@ pub(crate) mod rigid_time_of_impact;
 pub(crate) mod mesh_filter;
 pub(crate) mod gaps;
 pub(crate) mod penalty;
+pub(crate) mod choice;
 pub(crate) mod impacting;
+pub(crate) mod flight;
+pub(crate) mod rest;
+pub(crate) mod filter;

@@ -146,7 +146,7 @@ impl ImpactLaw {
         v: Vector<&mut [f64]>,
     ) -> Result<ImpactReport, ContactError> {
         impact.check_velocity(v.0)?;
-        let rounding = impact.rounding(Vector(v.0)).max(still);
+        let mut rounding = impact.rounding(Vector(v.0)).max(still);
         let mut next = Vector(v.0.to_vec());
         let mut report = ImpactReport { impulses: vec![0.0; impact.len()], passes: 0, solves: 0 };
         while impact.approach(next.view()) > rounding {
@@ -170,6 +170,8 @@ impl ImpactLaw {
                     reflection::overshoot_approaching(impact, rounding, &mut next, &mut report)?;
                 }
             }
+            // Speeds may grow, and their rounding with them.
+            rounding = rounding.max(impact.rounding(next.view()));
         }
         check_finite("the velocity after the impact", &next.0)?;
         v.0.copy_from_slice(&next.0);

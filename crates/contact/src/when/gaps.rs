@@ -23,6 +23,10 @@ pub struct Inequality<K>(pub K);
 pub trait Swept: Constraint {
     /// Writes the smallest value of each gap while q moves straight by a displacement.
     fn lowest(&self, q: &[f64], displacement: Vector<&[f64]>, lowest: &mut [f64]);
+
+    /// Writes the length that each gap is a difference of, m, where each freedom is at most `reach` from zero:
+    /// its rounding is relative to that.
+    fn sizes(&self, reach: &[f64], sizes: &mut [f64]);
 }
 
 /// Collects rows that come entry by entry.
@@ -83,6 +87,17 @@ impl<K: Swept> Inequality<K> {
         let mut lowest = vec![0.0; self.0.count()];
         self.0.lowest(q, displacement, &mut lowest);
         lowest
+    }
+
+    /// The length that each gap is a difference of, m, at any of these configurations.
+    pub(crate) fn sizes(&self, places: &[&[f64]]) -> Vec<f64> {
+        let mut reach = vec![0.0_f64; self.0.dim()];
+        for place in places {
+            reach.iter_mut().zip(*place).for_each(|(far, x)| *far = far.max(x.abs()));
+        }
+        let mut sizes = vec![0.0; self.0.count()];
+        self.0.sizes(&reach, &mut sizes);
+        sizes
     }
 }
 
@@ -238,6 +253,26 @@ impl<const D: usize> Swept for Balls<D> {
                 *lowest = lowest.min(nearest - (self.radii[a] + self.radii[b]));
             }
         }
+    }
+
+    fn sizes(&self, reach: &[f64], sizes: &mut [f64]) {
+        if reach.len() != self.dim() {
+            return sizes.fill(f64::NAN);
+        }
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let farthest: Vec<f64> = reach.chunks_exact(D).map(largest).collect();
+        let walls = self.against_walls().map(|(ball, wall)| {
+            let height: f64 = (0..D).map(|k| wall.normal[k].abs() * reach[D * ball + k]).sum();
+            height.max(wall.offset.abs()).max(self.radii[ball])
+        });
+        let fixed = self.against_fixed().map(|(ball, fixed)| {
+            farthest[ball].max(largest(&fixed.centre)).max(self.radii[ball] + fixed.radius)
+        });
+        let pairs = self
+            .pairs
+            .iter()
+            .map(|&[a, b]| farthest[a].max(farthest[b]).max(self.radii[a] + self.radii[b]));
+        sizes.iter_mut().zip(walls.chain(fixed).chain(pairs)).for_each(|(size, x)| *size = x);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #[cfg(any(feature = "2d", feature = "3d"))]
 mod apart;
+mod at_the_instant;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod bad_input;
 #[cfg(all(feature = "2d", feature = "3d"))]

@@ -47,7 +47,8 @@ fn every_moment_of_impact_keeps_the_ball_out_or_nearly() {
 #[test]
 fn two_balls_of_the_cradle_come_in_and_two_go_out() {
     let run = shipped("newtons-cradle").run().unwrap();
-    assert!(drift(&run) < 5e-3, "{:e}", drift(&run));
+    // What Stormer-Verlet leaves of the springs, (w h)^2/4, and nothing of the balls that rest.
+    assert!(drift(&run) < 1e-4, "{:e}", drift(&run));
     let start = |name: &str| run.scene().particles().iter().position(|p| p.name == name).unwrap();
     let x = |sample: usize, name: &str| run.positions(sample)[2 * start(name)];
     // Half a period after the swing began, the two on the right are where the two on the left were.
