@@ -150,8 +150,6 @@ const MASS_RATIO: f64 = 100.0;
 /// The most sweeps that push apart what overlaps, and in a pile: the next step goes on.
 const LIFTS: usize = 20;
 const LIFTS_OF_PILE: usize = 4;
-/// What moves in a pile is asked for few digits: no proximal steps are taken where fewer sweeps than this would do.
-const SWEEPS_OF_PILE: f64 = 100.0;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
 /// only its impulses are good enough to be kept.
 const NEARLY_SETTLED: f64 = 30.0;
@@ -339,8 +337,10 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
         let island = Island { contacts: &contacts[*from..], bodies };
         let Within { settled, reached, fine, .. } = within;
         let held = fine.map_or(0, |change| sweeps.hold(island, x, change));
-        let alone = if fine.is_some() { Goal::moving(settled).alone } else { SWEEPS_OF_PILE };
-        let goal = Goal { change: settled, residual: reached, alone };
+        let goal = match fine {
+            Some(_) => Goal { residual: reached, ..Goal::moving(settled) },
+            None => Goal::in_pile(settled, reached),
+        };
         let [mut relaxed, mut solved] = parts.settle(sweeps, island, x, goal, SWEEPS);
         solved += held;
         if let Some(change) = fine {

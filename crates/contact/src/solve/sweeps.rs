@@ -47,6 +47,8 @@ const HOLDING_REDUCTION: f64 = 0.5;
 pub(crate) const SYSTEM_COST: usize = 8;
 /// A proximal step takes as long as so many sweeps.
 const PROXIMAL_COST: f64 = 30.0;
+/// In a pile that moves it is worth so many: most of what is unsettled has just landed, and settles in its place.
+const SWEEPS_IN_PILE: f64 = 100.0;
 
 /// Energy given by impulses that is rounding, relative to theirs.
 pub(crate) const ENERGY_ROUNDING: f64 = 1e-9;
@@ -79,23 +81,31 @@ pub(crate) struct Goal {
     pub(crate) residual: f64,
     /// No proximal steps are taken where fewer sweeps than this would do, at their rate.
     pub(crate) alone: f64,
+    /// Nor are unsettled parts taken one by one where fewer sweeps over all of them would do.
+    pub(crate) together: f64,
 }
 
 impl Goal {
     /// What moves takes them where sweeps would take longer.
     pub(crate) fn moving(change: f64) -> Self {
-        Goal { change, residual: AMPLIFICATION * change, alone: PROXIMAL_COST }
+        let residual = AMPLIFICATION * change;
+        Goal { change, residual, alone: PROXIMAL_COST, together: 0.0 }
     }
 
-    /// Whether sweeps alone will do, at their rate: after a change, and the energy of the one before.
-    pub(crate) fn is_soon(&self, change: &Change, last: f64) -> bool {
-        let rate = (change.energy / last).sqrt();
-        rate < 1.0 && (self.change / change.fastest).ln() / rate.ln() < self.alone
+    /// What moves in a pile is asked for few digits.
+    pub(crate) fn in_pile(change: f64, residual: f64) -> Self {
+        Goal { change, residual, alone: SWEEPS_IN_PILE, together: SWEEPS_IN_PILE }
     }
 
     /// What is to rest takes proximal steps from the first.
     pub(crate) fn at_rest(change: f64) -> Self {
-        Goal { change, residual: AMPLIFICATION * change, alone: 0.0 }
+        Goal { alone: 0.0, ..Goal::moving(change) }
+    }
+
+    /// Whether fewer than so many sweeps will do, at their rate: after a change, and the energy of the one before.
+    pub(crate) fn is_within(&self, sweeps: f64, change: &Change, last: f64) -> bool {
+        let rate = (change.energy / last).sqrt();
+        rate < 1.0 && (self.change / change.fastest).ln() / rate.ln() < sweeps
     }
 }
 
@@ -195,7 +205,7 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
             if stepped && energy > MIN_REDUCTION * last {
                 (wait, patience) = (patience, 2 * patience);
             }
-            let soon = !stepped && goal.is_soon(&change, last);
+            let soon = !stepped && goal.is_within(goal.alone, &change, last);
             last = energy;
             stepped = wait == 0 && !soon;
             if stepped {

@@ -79,11 +79,11 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
             }
             whole = false;
             self.look_around(island, &sweeps.changes, settled);
-            let soon = goal.is_soon(&change, last);
+            let together = goal.is_within(goal.together, &change, last);
             last = change.energy;
             // The last sweep is one that shows what parts do to each other.
             let most = ROUND.min(bound.saturating_sub(work(relaxed, solved) + 1));
-            if soon || most == 0 {
+            if together || most == 0 {
                 continue;
             }
             last = f64::INFINITY;
