@@ -147,9 +147,8 @@ const VISITS_PAST_ENOUGH: usize = 100_000;
 /// Where the heaviest body of an island is so many times heavier than the lightest, a velocity that is rounding
 /// to the lightest is energy to the heaviest: such islands are refined.
 const MASS_RATIO: f64 = 100.0;
-/// The most sweeps that push apart what overlaps, and in a pile: the next step goes on.
+/// The most work that pushes apart what overlaps, in sweeps: the next step goes on.
 const LIFTS: usize = 20;
-const LIFTS_OF_PILE: usize = 4;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
 /// only its impulses are good enough to be kept.
 const NEARLY_SETTLED: f64 = 30.0;
@@ -302,10 +301,9 @@ where
             let goal = Goal { residual: f64::INFINITY, ..Goal::moving(settled) };
             self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
         } else {
-            // The pattern of a large system would be found twice a step.
-            let most = if of_pile { LIFTS_OF_PILE } else { LIFTS };
-            let mut sweeps = (0..most).map(|_| self.sweeps.sweep(island, &mut self.x).fastest);
-            sweeps.any(|fastest| fastest <= settled);
+            // One contact that is left limits the lift of all: sweeps go on where it is.
+            let goal = Goal::in_pile(settled, f64::INFINITY);
+            self.parts.settle(&mut self.sweeps, island, &mut self.x, goal, LIFTS);
         }
         // What few sweeps have not settled must not press others deeper into each other.
         let mut part = 1.0_f64;

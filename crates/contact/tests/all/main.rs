@@ -33,6 +33,8 @@ mod jointed;
 mod jointed_space;
 mod landing_chains;
 #[cfg(feature = "3d")]
+mod lifting;
+#[cfg(feature = "3d")]
 mod kinds_and_steppers;
 #[cfg(all(feature = "2d", feature = "3d"))]
 mod joint_limits;

@@ -57,6 +57,15 @@ fn sweeps_take_no_memory_once_as_many_contacts_have_been_met() {
     assert_eq!(allocations(&boxes, 500, 40), (0, 0));
 }
 
+/// Twenty-seven boxes have more than a hundred contacts when they have landed: what is solved, lifted and looked at
+/// again in a pile takes none either, but for a contact more than the first time.
+#[test]
+fn a_pile_takes_no_memory_once_as_many_contacts_have_been_met() {
+    let boxes = falling_boxes(27).unwrap();
+    let (used, visits) = allocations(&boxes, 360, 120);
+    assert!(used < 4 && visits > 50_000, "{used} {visits}");
+}
+
 /// Steps chosen by their error, with the works and impulses that they keep, of a box that slides: a call copies what
 /// pushed last, its steps take nothing.
 #[test]
