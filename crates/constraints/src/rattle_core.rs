@@ -24,7 +24,7 @@ use stationary_integrators::{Saved, State, StepError};
 use crate::checks::{
     check_configuration, check_finite, check_sizes, check_state, check_time, zeros,
 };
-use crate::feasible::{Flight, Scales, rounding};
+use crate::feasible::{Flight, Scales};
 use crate::secants::Secants;
 use crate::warm_start::WarmStart;
 use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
@@ -105,7 +105,7 @@ where
         check_sizes(system, state)?;
         check_state(system.space(), state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
-        let scales = Scales::new(&constraint)?;
+        let scales = Scales::new(&constraint, system.metric())?;
         let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
         let numbers = solver.numbers();
         let (q, dv, rate) = (zeros(stored)?, Covector(zeros(n)?), numbers.clone());
@@ -245,7 +245,7 @@ where
         let (mut last, mut best) = (f64::INFINITY, f64::INFINITY);
         let mut learning = false;
         let mut flight = Flight::default();
-        let eps = rounding(q0.as_ref());
+        let eps = self.scales.rounding(q0.as_ref());
         let enough = if regular { 0.5 * eps } else { 0.25 * eps };
         loop {
             q.clone_from(q0);
