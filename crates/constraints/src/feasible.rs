@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! |g_i| / slope_i  <=  1e-12 length_i + 8 eps |q|         feasible: rounding explains the rest
-//! |J v + dg/dt|_i / slope_i  <=  1e-9 |v| + 1e-12 L       a velocity that stays
+//! |J v + dg/dt|_i / slope_i  <=  1e-9 |v| + 1e-12 w       a velocity that stays
 //! ```
 //! `slope` and `length` the [`Scale`](crate::Scale) of each equation, `|q|`, `|v|` the largest
-//! component, `L` the largest length (a second). For a rod in square form the first number is `||d| - L|`, metres,
+//! component, `w = sqrt(|a| L)` of `a = -M^-1 dV` and the largest length L; L a second where nothing pulls. For a rod in square form the first number is `||d| - L|`, metres,
 //! up to its square. Among bodies a turn counts as the way that it makes at their size, the largest of their radii
 //! of gyration and arms as a power of two, which is the length of what has none; `|q|` is then the largest length.
 
@@ -20,7 +20,7 @@ const LANES: usize = 4;
 pub(crate) const RELATIVE: f64 = 1e-12;
 /// Roundings of the configuration that a violation may consist of.
 const ROUNDINGS: f64 = 8.0;
-/// What is allowed of a rate, relative to the largest velocity, and to the largest length (1/s).
+/// What is allowed of a rate, relative to the largest velocity, and to that of a fall through the largest length.
 const RATE: (f64, f64) = (1e-9, 1e-12);
 
 /// The scales of all equations, and one over them.
@@ -287,9 +287,21 @@ impl Scales {
         Err(ConstraintError::Infeasible { row: worst.row, violation, allowed })
     }
 
-    /// An error unless the rates `J v + dg/dt` belong to a velocity that stays.
-    pub(crate) fn check_rates(&self, rates: &[f64], v: &[f64]) -> Result<(), ConstraintError> {
-        let allowed = RATE.0 * self.speed(v) + RATE.1 * self.size;
+    /// Whether rates are what rounding leaves of others.
+    pub(crate) fn are_left_of(&self, rates: &[f64], distance: f64) -> bool {
+        self.distance(rates) <= RATE.0 * distance
+    }
+
+    /// An error unless the rates `J v + dg/dt` belong to a velocity that stays, where such accelerations are free.
+    pub(crate) fn check_rates(
+        &self,
+        rates: &[f64],
+        v: &[f64],
+        accelerations: &[f64],
+    ) -> Result<(), ConstraintError> {
+        let pull = self.speed(accelerations);
+        let fall = if pull > 0.0 { pull.sqrt() * self.size.sqrt() } else { self.size };
+        let allowed = RATE.0 * self.speed(v) + RATE.1 * fall;
         if self.distance(rates) <= allowed {
             return Ok(());
         }

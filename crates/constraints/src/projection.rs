@@ -229,13 +229,26 @@ where
 
     /// An error unless the velocity stays on the feasible set; prepares the solver there.
     pub(crate) fn check_velocity(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
-        let Projection { system, constraint, solver, scales, last, impulse, .. } = self;
+        let Projection {
+            system,
+            constraint,
+            solver,
+            scales,
+            last,
+            displacement,
+            force,
+            impulse,
+            ..
+        } = self;
         let rates = impulse.as_mut();
         solver.prepare(system.metric(), &*constraint, state.t, state.q.as_ref())?;
         system.metric().sharp(state.p.view(), last.view_mut());
         constraint.rate(state.t, state.q.as_ref(), rates)?;
         solver.add_along(last.view(), rates);
-        scales.check_rates(rates, last.components())
+        force.clear();
+        system.potential().add_differential(state.q.as_ref(), force.view_mut());
+        system.metric().sharp(force.view(), displacement.view_mut());
+        scales.check_rates(rates, last.components(), displacement.components())
     }
 
     /// Adds the momentum of the displacement made in the time h: `M delta / h`.

@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 use stationary_calculus::{Covector, DiagonalMetric, System, assert_derivatives};
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, Dense, Pairing, Rattle, Redundancy,
+    ConstrainedIntegrator, Constraint, ConstraintError, Dense, Pairing, Projection, Rattle,
+    Redundancy,
 };
 use stationary_integrators::State;
 use stationary_rigid::{
@@ -161,5 +162,26 @@ fn the_unit_of_length_changes_nothing_where_joints_have_no_arms() {
         let (found, left) = ball_in_a_turning_tube(2.0_f64.powi(exponent));
         assert_eq!(found, expected, "2^{exponent}");
         assert!(left.abs() < 1e-15, "2^{exponent}: {left:e}");
+    }
+}
+
+#[test]
+fn the_unit_of_time_changes_nothing_of_which_velocities_may_start() {
+    for exponent in [-60, -20, 0, 20, 60] {
+        let second = 2.0_f64.powi(exponent);
+        let gravity = Vector2::new(0.0, -9.81) / second / second;
+        let metric = DiagonalMetric::new(vec![2.0, 2.0, 0.3]).unwrap();
+        let system = System::new(metric, PlanarWeight { gravity, masses: vec![2.0] }).unwrap();
+        let stands = [0.4, -0.2, 0.9];
+        let ends = [PlanarEnd::world(POINT), PlanarEnd::where_it_stands(0, stands, POINT)];
+        let weld = PlanarJoint::new(1, PlanarJointKind::Weld, ends).unwrap();
+        let p = [1.1, -0.7, 0.3].map(|p| p / second);
+        let mut state = State::new(stands.to_vec(), Covector(p.to_vec()));
+        let few = || Dense::<3>(Redundancy::Refuse);
+        let refused = Rattle::new(&system, weld.clone(), &state, few()).unwrap_err();
+        assert!(matches!(refused, ConstraintError::InfeasibleVelocity { .. }), "{refused}");
+        // What is left of the velocity of a body that cannot move is rounding.
+        Projection::new(&system, &weld, &state, few()).unwrap().project(&mut state).unwrap();
+        Rattle::new(&system, weld, &state, few()).unwrap();
     }
 }
