@@ -5,9 +5,10 @@
 //! |J v + dg/dt|_i / slope_i  <=  1e-9 |v| + 1e-12 w       a velocity that stays
 //! ```
 //! `slope` and `length` the [`Scale`](crate::Scale) of each equation, `|q|`, `|v|` the largest
-//! component, `w = sqrt(|a| L)` of `a = -M^-1 dV` and the largest length L; L a second where nothing pulls. For a rod in square form the first number is `||d| - L|`, metres,
-//! up to its square. Among bodies a turn counts as the way that it makes at their size, the largest of their radii
-//! of gyration and arms as a power of two, which is the length of what has none; `|q|` is then the largest length.
+//! component, `w = sqrt(|a| L)` of `a = -M^-1 dV` and the largest length L, or L a second where nothing pulls. For
+//! a rod in square form the first number is `||d| - L|`, metres, up to its square. Among bodies a turn counts as the
+//! way that it makes at their size, the largest of their radii of gyration and arms as a power of two, which is the
+//! length of what has none; `|q|` is then the largest length.
 
 use stationary_calculus::{Covector, Metric, Vector, first_non_finite};
 
