@@ -153,7 +153,7 @@ impl Bars {
                 let name = format!("{}: {}", self.category, self.categories[category]);
                 let Some(top) = frame.y.at(value) else {
                     let at = (0.5 * (from + to), frame.plot.top + 1.5 + 0.5 * ROW);
-                    let tip = format!("{} failed\n{name}\nthe value is {value}", series.name);
+                    let tip = format!("{} failed\n{name}\nthe value is {value:?}", series.name);
                     canvas.point("", at, &tip, r#"<path class="fail" d="M-4 -4L4 4M-4 4L4 -4"/>"#);
                     continue;
                 };

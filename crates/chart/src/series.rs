@@ -110,7 +110,7 @@ impl Series {
         for (i, point) in self.points.iter().enumerate() {
             let first_of_run = i == 0 || finite(&self.points[i - 1]);
             if !finite(point) && first_of_run {
-                failures.push((point.0, format!("the value is {}", point.1)));
+                failures.push((point.0, format!("the value is {:?}", point.1)));
             }
         }
         failures
@@ -326,6 +326,12 @@ mod tests {
         assert_eq!(failures.len(), 3);
         assert_eq!(failures[0], (9.0, "no pivot".to_owned()));
         assert_eq!(failures[1], (2.0, "the value is NaN".to_owned()));
+    }
+
+    #[test]
+    fn a_value_that_no_axis_shows_is_told_with_an_exponent() {
+        let failures = Series::new("a", [(1.0, -6e300)]).all_failures();
+        assert_eq!(failures, [(1.0, "the value is -6e300".to_owned())]);
     }
 
     #[test]

@@ -30,14 +30,51 @@ pub trait Rows {
 pub struct Scale {
     /// The length of its row of J, in the units of g over those of q: 2 L for `|d|^2 - L^2`.
     pub slope: f64,
-    /// The length of the thing constrained, in the units of q: L for a rod of that length.
+    /// The length of the thing constrained, in the units of q: L for a rod of that length, 0 of a joint that has
+    /// none, as at the centres of its bodies: then what counts are the bodies' lengths.
     pub length: f64,
+    /// What it measures.
+    pub measure: Measure,
+}
+
+/// What an equation measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Measure {
+    /// What all numbers of q do.
+    #[default]
+    Plain,
+    /// A length among bodies.
+    Length(BodyNumbers),
+    /// A turn among bodies, radians: it counts as the way that it makes at the size of the bodies.
+    Turn(BodyNumbers),
+}
+
+/// How the numbers of bodies follow each other: of each its lengths, then those of its turn. What comes after the
+/// bodies are lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyNumbers {
+    /// How many bodies.
+    pub bodies: usize,
+    /// The numbers of a body in a configuration.
+    pub stored: usize,
+    /// Its freedoms.
+    pub freedoms: usize,
+    /// How many of both are lengths.
+    pub lengths: usize,
+}
+
+impl BodyNumbers {
+    /// Whether this freedom turns a body.
+    pub(crate) fn turns(&self, freedom: usize) -> bool {
+        let own = freedom.checked_rem(self.freedoms).unwrap_or(0);
+        freedom < self.bodies.saturating_mul(self.freedoms) && own >= self.lengths
+    }
 }
 
 impl Default for Scale {
     /// An equation that is a distance, of things of unit size.
     fn default() -> Self {
-        Scale { slope: 1.0, length: 1.0 }
+        Scale { slope: 1.0, length: 1.0, measure: Measure::Plain }
     }
 }
 

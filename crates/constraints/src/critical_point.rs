@@ -153,7 +153,7 @@ fn largest(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |largest, x| x.abs().max(largest))
 }
 
-fn power_of_two(size: f64) -> f64 {
+pub(crate) fn power_of_two(size: f64) -> f64 {
     if size.is_normal() { 2.0_f64.powi(size.log2().round() as i32) } else { 1.0 }
 }
 

@@ -2,14 +2,18 @@
 //!
 //! ```text
 //! |g_i| / slope_i  <=  1e-12 length_i + 8 eps |q|         feasible: rounding explains the rest
-//! |J v + dg/dt|_i / slope_i  <=  1e-9 |v| + 1e-12         a velocity that stays
+//! |J v + dg/dt|_i / slope_i  <=  1e-9 |v| + 1e-12 w       a velocity that stays
 //! ```
 //! `slope` and `length` the [`Scale`](crate::Scale) of each equation, `|q|`, `|v|` the largest
-//! component. For a rod in square form the first number is `||d| - L|`, metres, up to its square.
+//! component, `w = sqrt(|a| L)` of `a = -M^-1 dV` and the largest length L, or L a second where nothing pulls. For
+//! a rod in square form the first number is `||d| - L|`, metres, up to its square. Among bodies a turn counts as the
+//! way that it makes at their size, the largest of their radii of gyration and arms as a power of two, which is the
+//! length of what has none; `|q|` is then the largest length.
 
-use stationary_calculus::first_non_finite;
+use stationary_calculus::{Covector, Metric, Vector, first_non_finite};
 
-use crate::{Constraint, ConstraintError};
+use crate::critical_point::power_of_two;
+use crate::{BodyNumbers, Constraint, ConstraintError, Measure, Scale};
 
 /// Violations looked at side by side.
 const LANES: usize = 4;
@@ -17,7 +21,7 @@ const LANES: usize = 4;
 pub(crate) const RELATIVE: f64 = 1e-12;
 /// Roundings of the configuration that a violation may consist of.
 const ROUNDINGS: f64 = 8.0;
-/// What is allowed of a rate, relative to the largest velocity, and absolutely (m/s).
+/// What is allowed of a rate, relative to the largest velocity, and to that of a fall through the largest length.
 const RATE: (f64, f64) = (1e-9, 1e-12);
 
 /// The scales of all equations, and one over them.
@@ -27,6 +31,10 @@ pub(crate) struct Scales {
     inverse_slope: Vec<f64>,
     length: Vec<f64>,
     inverse_length: Vec<f64>,
+    /// The largest length.
+    size: f64,
+    /// How the numbers of bodies lie, and the size of these, a length.
+    bodies: Option<(BodyNumbers, f64)>,
 }
 
 /// The worst of all equations.
@@ -49,9 +57,55 @@ pub(crate) fn largest(x: &[f64]) -> f64 {
     rest.iter().chain(&lanes).fold(0.0, larger)
 }
 
-/// What rounding of a configuration makes of a distance.
-pub(crate) fn rounding(q: &[f64]) -> f64 {
-    ROUNDINGS * f64::EPSILON * largest(q)
+/// The largest of the lengths of bodies, each of so many numbers, and the largest of their other numbers.
+fn largest_of_bodies(x: &[f64], numbers: &BodyNumbers, each: usize) -> [f64; 2] {
+    let (of_bodies, rest) = x.split_at(x.len().min(numbers.bodies.saturating_mul(each)));
+    let start = [largest(rest), 0.0];
+    of_bodies.chunks(each.max(1)).fold(start, |[length, turn], body| {
+        let (lengths, turns) = body.split_at(body.len().min(numbers.lengths));
+        [length.max(largest(lengths)), turn.max(largest(turns))]
+    })
+}
+
+/// The largest of these lengths and of the radii of gyration of bodies, as a power of two.
+fn size_of_bodies(metric: &impl Metric, numbers: &BodyNumbers, lengths: f64) -> f64 {
+    let n = metric.dim();
+    // 1/m and 1/I
+    let [shifted, turned] = [false, true].map(|turns| {
+        let one = |k| if numbers.turns(k) == turns { 1.0 } else { 0.0 };
+        let (p, mut v) = ((0..n).map(one).collect::<Vec<_>>(), Vector(vec![0.0; n]));
+        metric.sharp(Covector(&p[..]), v.view_mut());
+        v.0
+    });
+    let bodies =
+        shifted.chunks(numbers.freedoms.max(1)).zip(turned.chunks(numbers.freedoms.max(1)));
+    let gyration = |(shifted, turned): (&[f64], &[f64])| {
+        let split = numbers.lengths.min(shifted.len());
+        let least = turned[split..].iter().fold(f64::INFINITY, |least, x| least.min(x.abs()));
+        (largest(&shifted[..split]) / least).sqrt()
+    };
+    let radii = bodies.take(numbers.bodies).map(gyration).filter(|radius| radius.is_finite());
+    power_of_two(radii.fold(lengths, f64::max))
+}
+
+/// The scales of a constraint's equations.
+///
+/// # Errors
+/// One that is no number, not positive or out of range; a length may be 0 where there are bodies.
+pub(crate) fn checked(constraint: &impl Constraint) -> Result<Vec<Scale>, ConstraintError> {
+    let scales: Vec<_> = (0..constraint.count()).map(|row| constraint.scale(row)).collect();
+    for scale in &scales {
+        let of_bodies = scale.length == 0.0 && scale.measure != Measure::Plain;
+        for (what, value, none) in
+            [("slope", scale.slope, false), ("length", scale.length, of_bodies)]
+        {
+            if !(none || value > 0.0 && value.is_finite() && value.recip().is_finite()) {
+                let range = "positive and finite";
+                return Err(ConstraintError::Parameter { what, value, range });
+            }
+        }
+    }
+    Ok(scales)
 }
 
 /// Watches iterations towards a feasible configuration for those that lead away from it.
@@ -89,13 +143,25 @@ impl Flight {
 }
 
 impl Scales {
-    pub(crate) fn new(constraint: &impl Constraint) -> Result<Self, ConstraintError> {
-        let scales: Vec<_> = (0..constraint.count()).map(|row| constraint.scale(row)).collect();
-        for scale in &scales {
-            for (what, value) in [("slope", scale.slope), ("length", scale.length)] {
-                if !(value > 0.0 && value.is_finite() && value.recip().is_finite()) {
-                    let range = "positive and finite";
-                    return Err(ConstraintError::Parameter { what, value, range });
+    pub(crate) fn new(
+        constraint: &impl Constraint,
+        metric: &impl Metric,
+    ) -> Result<Self, ConstraintError> {
+        let mut scales = checked(constraint)?;
+        let numbers = scales.iter().find_map(|scale| match scale.measure {
+            Measure::Plain => None,
+            Measure::Length(numbers) | Measure::Turn(numbers) => Some(numbers),
+        });
+        let is_turn = |scale: &Scale| matches!(scale.measure, Measure::Turn(_));
+        let lengths = scales.iter().filter(|scale| !is_turn(scale)).map(|scale| scale.length);
+        let longest = lengths.fold(0.0, f64::max);
+        let bodies = numbers.map(|numbers| (numbers, size_of_bodies(metric, &numbers, longest)));
+        if let Some((_, size)) = bodies {
+            for scale in &mut scales {
+                if is_turn(scale) {
+                    (scale.slope, scale.length) = (scale.slope / size, scale.length * size);
+                } else if scale.length == 0.0 {
+                    scale.length = size;
                 }
             }
         }
@@ -104,7 +170,33 @@ impl Scales {
             inverse_slope: scales.iter().map(|scale| scale.slope.recip()).collect(),
             length: scales.iter().map(|scale| scale.length).collect(),
             inverse_length: scales.iter().map(|scale| scale.length.recip()).collect(),
+            size: scales.iter().map(|scale| scale.length).fold(0.0, f64::max),
+            bodies,
         })
+    }
+
+    /// What rounding of a configuration makes of a distance.
+    pub(crate) fn rounding(&self, q: &[f64]) -> f64 {
+        let far = match &self.bodies {
+            None => largest(q),
+            Some((numbers, size)) => largest_of_bodies(q, numbers, numbers.stored)[0].max(*size),
+        };
+        ROUNDINGS * f64::EPSILON * far
+    }
+
+    /// The largest component of a velocity, of turns the way that they make.
+    fn speed(&self, v: &[f64]) -> f64 {
+        let Some((numbers, size)) = &self.bodies else { return largest(v) };
+        let [length, turn] = largest_of_bodies(v, numbers, numbers.freedoms);
+        length.max(size * turn)
+    }
+
+    /// The length that a unit of this freedom counts as.
+    pub(crate) fn unit(&self, freedom: usize) -> f64 {
+        match &self.bodies {
+            Some((numbers, size)) if numbers.turns(freedom) => *size,
+            _ => 1.0,
+        }
     }
 
     /// The largest of `|g| / slope`, a length, and of the same relative to its equation's length; neither a
@@ -172,7 +264,7 @@ impl Scales {
     pub(crate) fn relative(&self, row: usize, g: &[f64], q: &[f64]) -> (f64, f64) {
         let length = self.length.get(row).copied().unwrap_or(1.0);
         let distance = g.get(row).map_or(0.0, |g| g.abs() * self.inverse_slope[row]);
-        (distance / length, RELATIVE + rounding(q) / length)
+        (distance / length, RELATIVE + self.rounding(q) / length)
     }
 
     /// The largest violation relative to its equation's length; not a number if a value is not finite.
@@ -189,16 +281,28 @@ impl Scales {
     /// An error unless the values g belong to a feasible configuration.
     pub(crate) fn check(&self, g: &[f64], q: &[f64]) -> Result<(), ConstraintError> {
         let worst = self.worst(g)?;
-        if worst.excess <= rounding(q) {
+        if worst.excess <= self.rounding(q) {
             return Ok(());
         }
         let (violation, allowed) = self.relative(worst.row, g, q);
         Err(ConstraintError::Infeasible { row: worst.row, violation, allowed })
     }
 
-    /// An error unless the rates `J v + dg/dt` belong to a velocity that stays.
-    pub(crate) fn check_rates(&self, rates: &[f64], v: &[f64]) -> Result<(), ConstraintError> {
-        let allowed = RATE.0 * largest(v) + RATE.1;
+    /// Whether rates are what rounding leaves of others.
+    pub(crate) fn are_left_of(&self, rates: &[f64], distance: f64) -> bool {
+        self.distance(rates) <= RATE.0 * distance
+    }
+
+    /// An error unless the rates `J v + dg/dt` belong to a velocity that stays, where such accelerations are free.
+    pub(crate) fn check_rates(
+        &self,
+        rates: &[f64],
+        v: &[f64],
+        accelerations: &[f64],
+    ) -> Result<(), ConstraintError> {
+        let pull = self.speed(accelerations);
+        let fall = if pull > 0.0 { pull.sqrt() * self.size.sqrt() } else { self.size };
+        let allowed = RATE.0 * self.speed(v) + RATE.1 * fall;
         if self.distance(rates) <= allowed {
             return Ok(());
         }

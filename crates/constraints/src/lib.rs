@@ -107,8 +107,8 @@ pub use arcsine::ArcsinePendulum;
 pub use breaking::Broken;
 pub use composed::Composed;
 pub use constraint::{
-    Constraint, ConstraintOn, Rows, Scale, check_multipliers, check_read, check_values,
-    equation_name,
+    BodyNumbers, Constraint, ConstraintOn, Measure, Rows, Scale, check_multipliers, check_read,
+    check_values, equation_name,
 };
 pub use critical_point::{CriticalPoint, Kind, critical_point};
 pub use dense::{Dense, DenseMultipliers, SmallVec};

@@ -91,6 +91,6 @@ impl Constraint for Linear {
     fn scale(&self, row: usize) -> Scale {
         let Some((entries, _)) = self.equations.get(row) else { return Scale::default() };
         let slope = entries.iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
-        Scale { slope, length: 1.0 }
+        Scale { slope, ..Scale::default() }
     }
 }

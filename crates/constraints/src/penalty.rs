@@ -17,7 +17,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use stationary_calculus::{Covector, Metric, Potential, Sink, SizeError, Vector};
 use stationary_integrators::{Facts, Stability};
 
-use crate::feasible::Scales;
+use crate::feasible::checked;
 use crate::rows::add_pulled_back;
 use crate::{Constraint, ConstraintError, Rows};
 
@@ -53,7 +53,7 @@ impl<K: Constraint> Penalty<K> {
             let (what, range) = ("time", "finite");
             return Err(ConstraintError::Parameter { what, value: time, range });
         }
-        Scales::new(&constraint)?;
+        checked(&constraint)?;
         let inverse_square_slope =
             (0..constraint.count()).map(|row| constraint.scale(row).slope.powi(-2)).collect();
         let memory = Memory { weights: vec![0.0; constraint.count()], ..Memory::default() };

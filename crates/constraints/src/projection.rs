@@ -20,7 +20,7 @@ use stationary_calculus::{
 use stationary_integrators::State;
 
 use crate::checks::{check_sizes, check_state, zeros};
-use crate::feasible::{Flight, Scales, rounding};
+use crate::feasible::{Flight, Scales};
 use crate::{Constraint, ConstraintError, ConstraintOn, Multipliers, Solver};
 
 /// More iterations than this are a configuration too far away.
@@ -31,7 +31,7 @@ const ITERATIONS: u32 = 60;
 pub struct Projection<'s, M, P, S, K, C, X: Multipliers> {
     system: &'s System<M, P, S>,
     constraint: K,
-    scales: Scales,
+    pub(crate) scales: Scales,
     solver: X,
     given: C,
     pub(crate) displacement: Vector<C>,
@@ -79,7 +79,7 @@ where
         check_sizes(system, state)?;
         check_state(system.space(), state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
-        let scales = Scales::new(&constraint)?;
+        let scales = Scales::new(&constraint, system.metric())?;
         let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
         Ok(Projection {
             system,
@@ -142,7 +142,7 @@ where
             }
             let worst = self.scales.worst(g)?;
             flight.check(&self.scales, (g, self.scales.largest_relative(g)), None)?;
-            let eps = rounding(q.as_ref());
+            let eps = self.scales.rounding(q.as_ref());
             let settled = iterations == ITERATIONS
                 || change <= 0.25 * eps
                 || (change > 0.5 * last && change <= 16.0 * eps);
@@ -168,7 +168,8 @@ where
     /// How much the last iteration changed the displacement.
     fn change(&self) -> f64 {
         let pairs = self.displacement.components().iter().zip(self.last.components());
-        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        let way = |(k, (a, b)): (usize, (&f64, &f64))| (a - b).abs() * self.scales.unit(k);
+        pairs.enumerate().map(way).fold(0.0, f64::max)
     }
 
     /// One iteration: `S lambda = g - J delta`, `delta = -M^-1 J^T lambda`, from g in `lambda`.
@@ -228,13 +229,26 @@ where
 
     /// An error unless the velocity stays on the feasible set; prepares the solver there.
     pub(crate) fn check_velocity(&mut self, state: &State<C>) -> Result<(), ConstraintError> {
-        let Projection { system, constraint, solver, scales, last, impulse, .. } = self;
+        let Projection {
+            system,
+            constraint,
+            solver,
+            scales,
+            last,
+            displacement,
+            force,
+            impulse,
+            ..
+        } = self;
         let rates = impulse.as_mut();
         solver.prepare(system.metric(), &*constraint, state.t, state.q.as_ref())?;
         system.metric().sharp(state.p.view(), last.view_mut());
         constraint.rate(state.t, state.q.as_ref(), rates)?;
         solver.add_along(last.view(), rates);
-        scales.check_rates(rates, last.components())
+        force.clear();
+        system.potential().add_differential(state.q.as_ref(), force.view_mut());
+        system.metric().sharp(force.view(), displacement.view_mut());
+        scales.check_rates(rates, last.components(), displacement.components())
     }
 
     /// Adds the momentum of the displacement made in the time h: `M delta / h`.

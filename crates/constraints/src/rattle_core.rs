@@ -24,7 +24,7 @@ use stationary_integrators::{Saved, State, StepError};
 use crate::checks::{
     check_configuration, check_finite, check_sizes, check_state, check_time, zeros,
 };
-use crate::feasible::{Flight, Scales, rounding};
+use crate::feasible::{Flight, Scales};
 use crate::secants::Secants;
 use crate::warm_start::WarmStart;
 use crate::{Constraint, ConstraintError, FreeMotion, Multipliers, Solver};
@@ -105,7 +105,7 @@ where
         check_sizes(system, state)?;
         check_state(system.space(), state)?;
         let (n, stored) = (system.dim(), state.q.as_ref().len());
-        let scales = Scales::new(&constraint)?;
+        let scales = Scales::new(&constraint, system.metric())?;
         let solver = choice.analyse(system.metric(), &constraint, state.t, state.q.as_ref())?;
         let numbers = solver.numbers();
         let (q, dv, rate) = (zeros(stored)?, Covector(zeros(n)?), numbers.clone());
@@ -170,7 +170,9 @@ where
         self.system.metric().sharp(state.p.view(), self.displacement.view_mut());
         self.g.clone_from(&self.here.rate);
         self.here.solver.add_along(self.displacement.view(), self.g.as_mut());
-        self.scales.check_rates(self.g.as_ref(), self.displacement.components())
+        let accelerations = self.before.0.as_mut();
+        self.system.metric().sharp(self.here.dv.view(), Vector(&mut *accelerations));
+        self.scales.check_rates(self.g.as_ref(), self.displacement.components(), accelerations)
     }
 
     /// A kick with the differential where the step starts.
@@ -245,7 +247,7 @@ where
         let (mut last, mut best) = (f64::INFINITY, f64::INFINITY);
         let mut learning = false;
         let mut flight = Flight::default();
-        let eps = rounding(q0.as_ref());
+        let eps = self.scales.rounding(q0.as_ref());
         let enough = if regular { 0.5 * eps } else { 0.25 * eps };
         loop {
             q.clone_from(q0);
@@ -362,16 +364,23 @@ where
         self.passage.after.copy_from(p.view());
         // Once is enough but where masses differ by much: there roundings of one solve are removed by
         // another. Where equations share their force, what no force removes is an error.
+        let mut begun = 0.0;
         for solves in 0..=SOLVES {
             self.system.metric().sharp(p.view(), self.displacement.view_mut());
             g.copy_from_slice(there.rate.as_ref());
             there.solver.add_along(self.displacement.view(), g);
             if solves > 0 {
-                let checked = self.scales.check_rates(g, self.displacement.components());
+                let checked = self.scales.check_rates(g, self.displacement.components(), &[]);
                 if checked.is_ok() || solves == SOLVES {
-                    checked?;
+                    // What is held to rest may have no other velocity left than rounding.
+                    if !self.scales.are_left_of(g, begun) {
+                        checked?;
+                    }
                     return there.solver.share(impulse);
                 }
+            }
+            if solves == 0 {
+                begun = self.scales.distance(g);
             }
             there.solver.solve(g)?;
             there.solver.add_pulled_back(-1.0, g, p.view_mut());

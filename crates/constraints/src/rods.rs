@@ -277,7 +277,7 @@ impl<const D: usize, H: Hooks<D>> Constraint for Rods<D, H> {
 
     fn scale(&self, row: usize) -> Scale {
         let Some(&Rod { length, .. }) = self.rods.get(row) else { return Scale::default() };
-        Scale { slope: 2.0 * length, length }
+        Scale { slope: 2.0 * length, length, ..Scale::default() }
     }
 
     fn describe(&self, row: usize) -> Option<String> {

@@ -264,7 +264,7 @@ mod tests {
         }
 
         fn scale(&self, row: usize) -> Scale {
-            Scale { slope: self.speed + row as f64, length: 1.0 }
+            Scale { slope: self.speed + row as f64, ..Scale::default() }
         }
     }
 

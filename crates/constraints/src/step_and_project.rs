@@ -19,7 +19,6 @@ use stationary_integrators::{
 };
 
 use crate::checks::{check_finite, check_step, check_time, zeros};
-use crate::feasible::Scales;
 use crate::{
     ConstrainedIntegrator, ConstrainedReport, Constraint, ConstraintError, ConstraintOn,
     Multipliers, Projection, Solver,
@@ -62,7 +61,7 @@ where
         let mut projection = Projection::new(system, constraint, state, choice)?;
         let mut g = vec![0.0; projection.constraint().count()];
         projection.constraint().value(state.t, state.q.as_ref(), &mut g)?;
-        Scales::new(projection.constraint())?.check(&g, state.q.as_ref())?;
+        projection.scales.check(&g, state.q.as_ref())?;
         projection.check_velocity(state)?;
         Ok(StepAndProject {
             integrator,

@@ -231,7 +231,9 @@ impl Constraint for PlanarJoint {
     }
 
     fn scale(&self, row: usize) -> Scale {
-        self.rows.get(row).map_or_else(Scale::default, |row| row.scale(arm(&self.ends)))
+        self.rows
+            .get(row)
+            .map_or_else(Scale::default, |row| row.scale(arm(&self.ends), self.bodies))
     }
 
     fn describe(&self, _row: usize) -> Option<String> {

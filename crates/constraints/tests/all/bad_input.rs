@@ -186,7 +186,7 @@ impl Level<2> for Odd {
     }
 
     fn scale(&self) -> Scale {
-        Scale { slope: self.slope, length: 1.0 }
+        Scale { slope: self.slope, ..Scale::default() }
     }
 }
 

@@ -149,7 +149,7 @@ impl Constraint for BallJoint {
     }
 
     fn scale(&self, _: usize) -> Scale {
-        Scale { slope: 1.0, length: ARM }
+        Scale { length: ARM, ..Scale::default() }
     }
 }
 

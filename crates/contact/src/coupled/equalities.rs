@@ -186,6 +186,6 @@ impl Constraint for Lines {
 
     fn scale(&self, row: usize) -> Scale {
         let slope = self.row(row).iter().map(|(_, a)| a * a).sum::<f64>().sqrt();
-        Scale { slope, length: 1.0 }
+        Scale { slope, ..Scale::default() }
     }
 }

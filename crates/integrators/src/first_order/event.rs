@@ -109,7 +109,7 @@ impl<G: FnMut(f64, &[f64]) -> f64, C: Storage> Event<G, C> {
         let (number, from, to) = (step.number(), step.from(), step.to());
         let mut before = match (self.stands, self.end) {
             (Some((of, stands)), _) if of == number => stands,
-            (_, Some(end)) if end.0 == from => end,
+            (_, Some(end)) if step.goes_on() && end.0 == from => end,
             _ => (from, self.evaluate_within(step, from)?),
         };
         let last = self.evaluate(to, step.moment().y.as_ref())?;

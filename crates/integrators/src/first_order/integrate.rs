@@ -18,6 +18,8 @@ use super::{AdaptiveError, AdaptiveMethod, Event, Moment};
 pub struct AcceptedStep<'a, C, A: ?Sized> {
     method: &'a mut A,
     from: f64,
+    /// Whether it began where the step before it had ended, in the same state.
+    goes_on: bool,
     /// The moment of an event at which the run ends before the step does.
     cut: Option<&'a Moment<C>>,
 }
@@ -26,6 +28,11 @@ impl<C: Storage, A: AdaptiveMethod<C> + ?Sized> AcceptedStep<'_, C, A> {
     /// Which step of its method it is.
     pub(super) fn number(&self) -> u64 {
         self.method.work().steps
+    }
+
+    /// Whether what was known at the end of the step before it holds where it began.
+    pub(super) fn goes_on(&self) -> bool {
+        self.goes_on
     }
 
     /// The time at which the step began, seconds.
@@ -77,8 +84,10 @@ pub fn integrate<C: Storage, A: AdaptiveMethod<C> + ?Sized>(
 ) -> Result<Outcome, AdaptiveError> {
     loop {
         let from = method.moment().t;
+        // After a restart there is no last step.
+        let goes_on = method.last_begin().is_some();
         method.step(end)?;
-        if observe(AcceptedStep { method, from, cut: None }).is_break() {
+        if observe(AcceptedStep { method, from, goes_on, cut: None }).is_break() {
             return Ok(Outcome::BrokenOff);
         }
         if method.moment().t >= end {
@@ -108,12 +117,12 @@ where
     loop {
         let from = method.moment().t;
         method.step(end)?;
-        if event.crossing(&mut AcceptedStep { method, from, cut: None })? {
+        if event.crossing(&mut AcceptedStep { method, from, goes_on: true, cut: None })? {
             let cut = event.moment();
-            observe(AcceptedStep { method, from, cut: Some(cut) });
+            observe(AcceptedStep { method, from, goes_on: true, cut: Some(cut) });
             return method.restart(event.moment());
         }
-        observe(AcceptedStep { method, from, cut: None });
+        observe(AcceptedStep { method, from, goes_on: true, cut: None });
         if method.moment().t >= end {
             return Err(AdaptiveError::NoEvent { first, last: event.value(), end });
         }

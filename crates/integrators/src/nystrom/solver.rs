@@ -88,7 +88,6 @@ where
         self.check(state)?;
         check_end(state.t, end)?;
         self.begin(state, &mut work)?;
-        self.h = self.h.min(end - state.t);
         while state.t < end {
             self.step(state, end, &mut work)?;
             let on = observe(NystromStep {
@@ -145,7 +144,8 @@ where
         loop {
             let left = end - state.t;
             let length = if NEARLY * *h >= left { left } else { *h };
-            check_attempt(state, length, work, control.most_steps)?;
+            // What is proposed must be resolved; what is left before the end may be any time.
+            check_attempt(state, *h, work, control.most_steps)?;
             stages.advance(state, first, length, next);
             work.evaluations += S as u64 - 1;
             let error = stages.error(state, next, length, tolerated);

@@ -147,3 +147,28 @@ fn tiny_and_huge_numbers_are_shown_with_an_exponent() {
     let error = AdaptiveError::End { end: -1e300, t: 2.5 };
     assert_eq!(error.to_string(), "the end -1e300 s does not lie ahead of t = 2.5 s");
 }
+
+#[test]
+fn an_event_looks_afresh_after_a_restart_at_the_end_of_a_step() {
+    // y' = 1 from -1 to -1/2; then from +1, where nothing crosses, or from -1/4, where something does.
+    let field = FunctionField::new(1, |_t, _y: &[f64], f: &mut [f64]| f[0] = 1.0);
+    let start = Moment::new(0.0, [-1.0]);
+    for (again, crossings) in [(1.0, 0), (-0.25, 1)] {
+        for mut method in all(&field, &control(1e-6), &start) {
+            let name = method.facts().name;
+            let mut event = Event::new(Direction::Any, &start, |_t, y: &[f64]| y[0]);
+            let mut count = 0;
+            for (end, restart) in [(0.5, Some(again)), (1.5, None)] {
+                integrate(&mut *method, end, |mut step| {
+                    count += u32::from(event.crossing(&mut step).unwrap());
+                    ControlFlow::Continue(())
+                })
+                .unwrap();
+                if let Some(y) = restart {
+                    method.restart(&Moment::new(end, [y])).unwrap();
+                }
+            }
+            assert_eq!(count, crossings, "{name} from {again}");
+        }
+    }
+}

@@ -395,6 +395,18 @@ fn bodies_that_fall_into_each_other_are_an_error_with_the_last_good_state() {
 }
 
 #[test]
+fn an_end_that_is_the_next_number_is_reached() {
+    let problem = kepler(0.6).unwrap();
+    for t in [1.0_f64, 1e6] {
+        let mut nystrom = Nystrom12::new(&problem.system, both(1e-10)).unwrap();
+        let mut state = State { t, ..problem.initial.clone() };
+        nystrom.run(&mut state, t.next_up(), |_| Continue(())).unwrap();
+        assert_eq!(state.t, t.next_up());
+        assert!((state.q[1] - problem.initial.q[1]).abs() <= 1e-9);
+    }
+}
+
+#[test]
 fn a_run_that_takes_too_many_steps_says_so() {
     let problem = kepler(0.6).unwrap();
     let control = both(1e-10).most_steps(20).unwrap();

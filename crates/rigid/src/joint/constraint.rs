@@ -131,7 +131,7 @@ impl<S: BodySpace> Constraint for Joint<S> {
 
     fn scale(&self, row: usize) -> Scale {
         match self.rows.get(row) {
-            Some(row) => row.scale(self.ends.iter().map(JointEnd::reach).fold(0.0, f64::max)),
+            Some(row) => row.scale::<S>(&self.ends, self.bodies),
             None => Scale::default(),
         }
     }

@@ -80,11 +80,6 @@ impl<S: BodySpace> DrivenCoordinate for JointCoordinate<S> {
     }
 
     fn scale(&self) -> Scale {
-        match self.along {
-            Along::Turn => Scale::default(),
-            Along::Shift => {
-                self.row.scale(self.ends.iter().map(JointEnd::reach).fold(0.0, f64::max))
-            }
-        }
+        self.row.scale::<S>(&self.ends, self.bodies)
     }
 }

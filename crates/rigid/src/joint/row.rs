@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use stationary_constraints::{Rows, Scale};
+use stationary_constraints::{BodyNumbers, Measure, Rows, Scale};
 
 use super::end::Placed;
 use super::{JointEnd, JointKind};
@@ -175,16 +175,24 @@ impl Row {
         }
     }
 
-    /// How large its numbers are, of ends whose longest arm is this, metres.
-    pub(crate) fn scale(&self, arm: f64) -> Scale {
-        let length = match self {
-            Row::Angle { .. } => 1.0,
-            Row::Together { .. } | Row::Across { .. } => arm,
-            Row::Distance { length } => arm.max(*length),
-            Row::Coordinate { shift: 0.0, .. } => 1.0,
-            Row::Coordinate { turn, .. } => arm.max(turn.abs()),
-        };
-        if length > 0.0 { Scale { slope: 1.0, length } } else { Scale::default() }
+    /// How large its numbers are, between these ends among `bodies` bodies.
+    pub(crate) fn scale<S: BodySpace>(&self, ends: &[JointEnd; 2], bodies: usize) -> Scale {
+        let (stored, freedoms) = (S::STORED, S::FREEDOMS);
+        let numbers = BodyNumbers { bodies, stored, freedoms, lengths: S::TRANSLATION };
+        match self.length(ends.iter().map(JointEnd::reach).fold(0.0, f64::max)) {
+            Some(length) => Scale { slope: 1.0, length, measure: Measure::Length(numbers) },
+            None => Scale { slope: 1.0, length: 1.0, measure: Measure::Turn(numbers) },
+        }
+    }
+
+    /// The length of what it holds, of ends whose longest arm is this, metres; none of an angle.
+    pub(crate) fn length(&self, arm: f64) -> Option<f64> {
+        match self {
+            Row::Angle { .. } | Row::Coordinate { shift: 0.0, .. } => None,
+            Row::Together { .. } | Row::Across { .. } => Some(arm),
+            Row::Distance { length } => Some(arm.max(*length)),
+            Row::Coordinate { turn, .. } => Some(arm.max(turn.abs())),
+        }
     }
 
     /// The value, in metres or as the cosine of an angle.

@@ -11,12 +11,12 @@
 
 use nalgebra::DVector;
 use stationary_calculus::Vector;
-use stationary_constraints::{Constraint, equation_name};
+use stationary_constraints::{Constraint, Measure, equation_name};
 
 use super::MechanismError;
 use super::differential::{full, inverse_roots, lengths, scale, weights};
 use super::error::check_finite;
-use crate::{BodyMetric, BodySpace};
+use crate::{Body, BodyMetric, BodySpace};
 
 /// A closed pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,23 +49,33 @@ pub fn assemble<S: BodySpace>(
     guess: &[f64],
 ) -> Result<Assembly, MechanismError> {
     check_finite("the guess", guess)?;
-    closed::<S>(&inverse_roots(metric), constraint, t, guess).or_else(|error| match error {
+    let gyration = |body: &Body| (body.moments().max() / body.mass()).sqrt();
+    let reach = metric.bodies().iter().map(gyration).fold(0.0, f64::max);
+    closed::<S>(&inverse_roots(metric), reach, constraint, t, guess).or_else(|error| match error {
         MechanismError::NotAssembled { .. } | MechanismError::TooFar { .. } => {
-            closed::<S>(&lengths(metric), constraint, t, guess)
+            closed::<S>(&lengths(metric), reach, constraint, t, guess)
         }
         _ => Err(error),
     })
 }
 
-/// The pose, with freedoms in these scales.
+/// The pose, with freedoms in these scales, of bodies with such a radius of gyration.
 fn closed<S: BodySpace>(
     scales: &DVector<f64>,
+    reach: f64,
     constraint: &impl Constraint,
     t: f64,
     guess: &[f64],
 ) -> Result<Assembly, MechanismError> {
     let (n, count) = (scales.len(), constraint.count());
-    let lengths = DVector::from_fn(count, |row, _| constraint.scale(row).length);
+    let measured: Vec<_> = (0..count).map(|row| constraint.scale(row)).collect();
+    let is_turn = |row: usize| matches!(measured[row].measure, Measure::Turn(_));
+    let of_none = |length: f64| if length > 0.0 { length } else { reach };
+    let lengths = DVector::from_fn(count, |row, _| of_none(measured[row].length));
+    // A turn makes a way at the size of the bodies, as far as places are rounded.
+    let size =
+        (0..count).filter(|&row| !is_turn(row)).fold(reach, |size, row| size.max(lengths[row]));
+    let rounded = DVector::from_fn(count, |row, _| if is_turn(row) { size } else { lengths[row] });
     let weights = weights(constraint).component_div(&lengths);
     let values = |q: &[f64]| -> Result<DVector<f64>, MechanismError> {
         let mut g = vec![0.0; count];
@@ -77,7 +87,7 @@ fn closed<S: BodySpace>(
         let places = q.chunks(S::STORED).flat_map(|q| q.iter().take(S::TRANSLATION));
         let far = places.fold(0.0_f64, |far, x| far.max(x.abs()));
         let allowed = |length: &f64| CLOSED + ROUNDINGS * f64::EPSILON * far / length;
-        g.iter().zip(&lengths).all(|(g, length)| g.abs() <= allowed(length))
+        g.iter().zip(&rounded).all(|(g, length)| g.abs() <= allowed(length))
     };
     let mut q = guess.to_vec();
     let mut g = values(&q)?;

@@ -100,6 +100,6 @@ impl DrivenCoordinate for PlanarCoordinate {
     }
 
     fn scale(&self) -> Scale {
-        self.row.scale(arm(&self.ends))
+        self.row.scale(arm(&self.ends), self.bodies)
     }
 }

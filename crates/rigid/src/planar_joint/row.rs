@@ -11,7 +11,7 @@
 //! a quarter turn.
 
 use nalgebra::{SMatrix, SVector, Vector2};
-use stationary_constraints::Scale;
+use stationary_constraints::{BodyNumbers, Measure, Scale};
 
 use super::PlanarJointKind;
 use crate::{JointFault, LieGroup, PlanarRotation};
@@ -82,16 +82,17 @@ impl Row {
         }
     }
 
-    /// How large its numbers are, of ends whose longest arm is this, metres.
-    pub(super) fn scale(&self, arm: f64) -> Scale {
+    /// How large its numbers are, of ends whose longest arm is this, metres, among `bodies` bodies.
+    pub(super) fn scale(&self, arm: f64, bodies: usize) -> Scale {
+        let numbers = BodyNumbers { bodies, stored: 3, freedoms: 3, lengths: 2 };
         let length = match self {
-            Row::Turn => 1.0,
+            Row::Turn => return Scale { slope: 1.0, length: 1.0, measure: Measure::Turn(numbers) },
             Row::Together { .. } => arm,
             Row::Across { offset, .. } => arm.max(*offset),
             Row::Distance { length } => arm.max(*length),
             Row::Rolling { radius, .. } => arm.max(*radius),
         };
-        if length > 0.0 { Scale { slope: 1.0, length } } else { Scale::default() }
+        Scale { slope: 1.0, length, measure: Measure::Length(numbers) }
     }
 
     /// The value, in metres or radians.

@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 use stationary_calculus::{Covector, DiagonalMetric, System, assert_derivatives};
 use stationary_constraints::{
-    ConstrainedIntegrator, Constraint, Dense, Pairing, Rattle, Redundancy,
+    ConstrainedIntegrator, Constraint, ConstraintError, Dense, Pairing, Projection, Rattle,
+    Redundancy,
 };
 use stationary_integrators::State;
 use stationary_rigid::{
@@ -124,4 +125,63 @@ fn joints_of_the_plane_that_cannot_be_are_refused_by_name() {
     assert_eq!(fault(kind, two), JointFault::NotPositive { what: "the radius", value: -1.0 });
     let kind = PlanarJointKind::Rod { length: f64::NAN };
     assert!(matches!(fault(kind, two), JointFault::NotFinite { what: "the length", .. }));
+}
+
+/// A pin at the centre of body 0 and the centre of body 1 in a slot of it, all lengths times `unit`: places after a
+/// second in it, and how much is left of the slot's equation.
+fn ball_in_a_turning_tube(unit: f64) -> ([f64; 3], f64) {
+    let inertia = [0.3, 0.1].map(|moment| moment * unit * unit);
+    let masses = vec![1.0, 1.0, inertia[0], 0.7, 0.7, inertia[1]];
+    let weight = PlanarWeight { gravity: Vector2::zeros(), masses: vec![1.0, 0.7] };
+    let system = System::new(DiagonalMetric::new(masses).unwrap(), weight).unwrap();
+    let centre = Vector2::zeros();
+    let joints = [
+        (PlanarJointKind::Pin, [PlanarEnd::world(centre), PlanarEnd::on(0, centre)]),
+        (
+            PlanarJointKind::PinInSlot { axis: Vector2::x() },
+            [PlanarEnd::on(0, centre), PlanarEnd::on(1, centre)],
+        ),
+    ];
+    let joints: Vec<_> = joints.map(|(kind, ends)| PlanarJoint::new(2, kind, ends).unwrap()).into();
+    let (r, v, w) = (0.4 * unit, 0.1 * unit, 2.0);
+    let p = vec![0.0, 0.0, inertia[0] * w, 0.7 * v, 0.7 * w * r, 0.3 * inertia[1]];
+    let mut state = State::new(vec![0.0, 0.0, 0.0, r, 0.0, 0.0], Covector(p));
+    let mut rattle = Rattle::new(&system, joints, &state, Dense::<3>(Redundancy::Refuse)).unwrap();
+    for _ in 0..100 {
+        rattle.step(&mut state, 0.01).unwrap();
+    }
+    let (sine, cosine) = state.q[2].sin_cos();
+    let left = (cosine * state.q[4] - sine * state.q[3]) / unit;
+    ([state.q[3] / unit, state.q[4] / unit, state.q[2]], left)
+}
+
+#[test]
+fn the_unit_of_length_changes_nothing_where_joints_have_no_arms() {
+    let (expected, _) = ball_in_a_turning_tube(1.0);
+    for exponent in [-60, -30, 30, 60] {
+        let (found, left) = ball_in_a_turning_tube(2.0_f64.powi(exponent));
+        assert_eq!(found, expected, "2^{exponent}");
+        assert!(left.abs() < 1e-15, "2^{exponent}: {left:e}");
+    }
+}
+
+#[test]
+fn the_unit_of_time_changes_nothing_of_which_velocities_may_start() {
+    for exponent in [-60, -20, 0, 20, 60] {
+        let second = 2.0_f64.powi(exponent);
+        let gravity = Vector2::new(0.0, -9.81) / second / second;
+        let metric = DiagonalMetric::new(vec![2.0, 2.0, 0.3]).unwrap();
+        let system = System::new(metric, PlanarWeight { gravity, masses: vec![2.0] }).unwrap();
+        let stands = [0.4, -0.2, 0.9];
+        let ends = [PlanarEnd::world(POINT), PlanarEnd::where_it_stands(0, stands, POINT)];
+        let weld = PlanarJoint::new(1, PlanarJointKind::Weld, ends).unwrap();
+        let p = [1.1, -0.7, 0.3].map(|p| p / second);
+        let mut state = State::new(stands.to_vec(), Covector(p.to_vec()));
+        let few = || Dense::<3>(Redundancy::Refuse);
+        let refused = Rattle::new(&system, weld.clone(), &state, few()).unwrap_err();
+        assert!(matches!(refused, ConstraintError::InfeasibleVelocity { .. }), "{refused}");
+        // What is left of the velocity of a body that cannot move is rounding.
+        Projection::new(&system, &weld, &state, few()).unwrap().project(&mut state).unwrap();
+        Rattle::new(&system, weld, &state, few()).unwrap();
+    }
 }

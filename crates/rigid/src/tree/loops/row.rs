@@ -48,7 +48,8 @@ impl LoopRow {
     /// What a gap is rounded against.
     pub(in crate::tree) fn size(&self, motion: &TreeMotion) -> f64 {
         let far = |at: Placed| at.place.norm().max(at.arm.norm());
-        self.row.scale(self.placed(motion).map(far).into_iter().fold(0.0, f64::max)).length
+        let length = self.row.length(self.placed(motion).map(far).into_iter().fold(0.0, f64::max));
+        length.filter(|length| *length > 0.0).unwrap_or(1.0)
     }
 
     /// The motion of each end in the row's axes: that of the centre in the world's, turns in the body's.
