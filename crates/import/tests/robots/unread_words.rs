@@ -108,7 +108,7 @@ fn numbers_that_no_scene_has_are_refused_or_told() {
     ];
     for (word, what) in negative {
         let said = error(&arm(&format!("{word}=\"-2\""), GEOM));
-        assert_eq!(said, format!("{what} at the joint of `b` is -2; it must not be negative"));
+        assert_eq!(said, format!("{what} at the joint of `b` is -2.0; it must not be negative"));
     }
     let far = read(&arm("stiffness=\"2\" springref=\"300\" name=\"j\"", GEOM));
     assert_eq!(far.left_out, ["spring, which rests beyond half a turn, of joint `j`"]);
