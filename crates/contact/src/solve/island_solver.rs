@@ -302,7 +302,7 @@ where
             self.sweeps.alternate(island, &mut self.x, goal, LIFTS);
         } else {
             // One contact that is left limits the lift of all: sweeps go on where it is.
-            let goal = Goal::in_pile(settled, f64::INFINITY);
+            let goal = Goal::lifted(settled);
             self.parts.settle(&mut self.sweeps, island, &mut self.x, goal, LIFTS);
         }
         // What few sweeps have not settled must not press others deeper into each other.

@@ -81,7 +81,7 @@ pub(crate) struct Goal {
     pub(crate) residual: f64,
     /// No proximal steps are taken where fewer sweeps than this would do, at their rate.
     pub(crate) alone: f64,
-    /// Nor are unsettled parts taken one by one where fewer sweeps over all of them would do.
+    /// Nor are unsettled parts taken one by one where fewer sweeps over all of them would do; never, if this is infinite.
     pub(crate) together: f64,
 }
 
@@ -97,6 +97,12 @@ impl Goal {
         Goal { change, residual, alone: SWEEPS_IN_PILE, together: SWEEPS_IN_PILE }
     }
 
+    /// What is lifted in a pile is swept alone: the pattern of a large system would be found twice a step.
+    pub(crate) fn lifted(change: f64) -> Self {
+        let endless = f64::INFINITY;
+        Goal { change, residual: endless, alone: endless, together: endless }
+    }
+
     /// What is to rest takes proximal steps from the first.
     pub(crate) fn at_rest(change: f64) -> Self {
         Goal { alone: 0.0, ..Goal::moving(change) }
@@ -105,7 +111,8 @@ impl Goal {
     /// Whether fewer than so many sweeps will do, at their rate: after a change, and the energy of the one before.
     pub(crate) fn is_within(&self, sweeps: f64, change: &Change, last: f64) -> bool {
         let rate = (change.energy / last).sqrt();
-        rate < 1.0 && (self.change / change.fastest).ln() / rate.ln() < sweeps
+        let needed = || (self.change / change.fastest).ln() / rate.ln();
+        sweeps == f64::INFINITY || (rate < 1.0 && needed() < sweeps)
     }
 }
 
