@@ -3,11 +3,11 @@
 //!
 //! ```text
 //! x <- sweep(x),   e = 4 (|dx|^2/|x|^2)^1/2,    x <- proximal step (x, e),    x <- sweep(x), ...
-//! ln(s/max_i |dx_i|)/ln r < 30,   r = |dx|/|dx before|                  where sweeps alone will do
+//! ln(s/max_i |dx_i|)/ln r < n,   r = |dx|/|dx before|                   where sweeps alone will do
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
-//! changes, `s` what counts as settled. Sweeps find the active, sticking and sliding sets, and how far the
-//! conditions are from being met, but carry far only slowly: a column that rocks takes hundreds of
+//! changes, `s` what counts as settled, `n` 30, and 100 in a pile that moves. Sweeps find the active,
+//! sticking and sliding sets, and how far the conditions are from being met, but carry far only slowly: a column that rocks takes hundreds of
 //! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
 //! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
 //! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
@@ -81,7 +81,7 @@ pub(crate) struct Goal {
     pub(crate) residual: f64,
     /// No proximal steps are taken where fewer sweeps than this would do, at their rate.
     pub(crate) alone: f64,
-    /// Nor are unsettled parts taken one by one where fewer sweeps over all of them would do; never, if this is infinite.
+    /// Nor are unsettled parts taken one by one where fewer sweeps over all of them would do: never, if infinite.
     pub(crate) together: f64,
 }
 

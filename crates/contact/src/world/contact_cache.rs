@@ -143,7 +143,7 @@ impl<G: Dimension> ContactCache<G> {
         self.detect_of(detector, states, q, reach, |_| true)
     }
 
-    /// The same for pairs of bodies of which these are; what is kept of the others stays.
+    /// The same for the pairs with a body that is asked for; what is kept of the others stays.
     pub(crate) fn detect_of(
         &mut self,
         detector: &mut DetectorIn<G>,
