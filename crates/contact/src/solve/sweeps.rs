@@ -7,13 +7,13 @@
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
 //! changes, `s` what counts as settled, `n` 30, and 100 in a pile that moves. Sweeps find the active,
-//! sticking and sliding sets, and how far the conditions are from being met, but carry far only slowly: a column that rocks takes hundreds of
-//! them. Proximal steps carry far at once (see [`Proximal`]), the farther the closer `x` is
-//! already, and cost as much as dozens of sweeps; what is to rest takes them all the same, for what
-//! sweeps change slowly they leave. The last sweep is taken as it is, so that no impulse pulls and
-//! no friction exceeds its reach. What nearly rests is first asked whether it stands where contacts
-//! hold (see [`Sweeps::hold`]), and then takes steps of far smaller `e`; one that leaves more than before is taken
-//! back (see [`Sweeps::rest`]).
+//! sticking and sliding sets, and how far the conditions are from being met, but carry far only
+//! slowly: a column that rocks takes hundreds of them. Proximal steps carry far at once (see
+//! [`Proximal`]), the farther the closer `x` is already, and cost as much as dozens of sweeps; what
+//! is to rest takes them all the same, for what sweeps change slowly they leave.
+//! The last sweep is taken as it is, so that no impulse pulls and no friction exceeds its reach.
+//! What nearly rests is first asked whether it stands where contacts hold (see [`Sweeps::hold`]), and then
+//! takes steps of far smaller `e`; one that leaves more than before is taken back (see [`Sweeps::rest`]).
 
 use stationary_calculus::array;
 
