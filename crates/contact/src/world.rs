@@ -443,7 +443,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
             let limits = self.rest_rolling(contacts, q, h, &mut report)?;
             self.account(contacts, h, &mut report);
             report.painleve = self.painleve(contacts);
-            self.lift(contacts, q, limits.enough, h)?;
+            self.lift(contacts, q, limits, h)?;
         }
         Ok(report)
     }

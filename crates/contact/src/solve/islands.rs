@@ -20,9 +20,9 @@ pub(crate) struct Islands {
     bodies: Sorted,
 }
 
-/// Numbers sorted by the island that they belong to.
+/// Numbers sorted by what they belong to.
 #[derive(Debug, Default)]
-struct Sorted {
+pub(crate) struct Sorted {
     starts: Vec<usize>,
     members: Vec<usize>,
 }
@@ -67,17 +67,19 @@ impl Islands {
 }
 
 impl Sorted {
-    fn sort(&mut self, islands: usize, of: &[usize]) {
+    /// Sorts the numbers of these by what they belong to, in ascending order; what belongs to none of so many is
+    /// left out.
+    pub(crate) fn sort(&mut self, groups: usize, of: &[usize]) {
         self.starts.clear();
-        self.starts.resize(islands + 1, 0);
-        of.iter().filter(|&&of| of != NONE).for_each(|&of| self.starts[of] += 1);
+        self.starts.resize(groups + 1, 0);
+        of.iter().filter(|&&of| of < groups).for_each(|&of| self.starts[of] += 1);
         let mut sum = 0;
         for start in &mut self.starts {
             (*start, sum) = (sum, sum + *start);
         }
         self.members.clear();
         self.members.resize(sum, 0);
-        for (i, &of) in of.iter().enumerate().filter(|&(_, &of)| of != NONE) {
+        for (i, &of) in of.iter().enumerate().filter(|&(_, &of)| of < groups) {
             let place = &mut self.starts[of];
             self.members[*place] = i;
             *place += 1;
@@ -85,6 +87,12 @@ impl Sorted {
         // Each start has moved on to the next one.
         self.starts.rotate_right(1);
         self.starts[0] = 0;
+    }
+
+    /// The numbers of one.
+    #[inline]
+    pub(crate) fn of(&self, group: usize) -> &[usize] {
+        &self.members[self.starts[group]..self.starts[group + 1]]
     }
 
     #[inline]

@@ -58,7 +58,7 @@ pub(crate) const ENERGY_ROUNDING: f64 = 1e-9;
 pub(crate) struct Sweeps<const F: usize, const D: usize> {
     /// The scaled change of each body's velocity, and zeros for what does not move.
     pub(crate) w: Vec<[f64; F]>,
-    /// What the last sweep changed at each contact, as a velocity, m/s.
+    /// What the last sweep over chosen contacts changed at each, as a velocity, m/s.
     pub(crate) changes: Vec<f64>,
     proximal: Proximal<F, D>,
     /// The impulses before a step that may not help.
@@ -295,11 +295,9 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
 
     /// Relaxes each contact once.
     pub(crate) fn sweep(&mut self, island: Island<F, D>, x: &mut [[f64; D]]) -> Change {
-        let Sweeps { w, changes, .. } = self;
         let mut change = Change::NONE;
-        changes.clear();
         for (contact, x) in island.contacts.iter().zip(x) {
-            changes.push(change.relax(contact, x, w));
+            change.relax(contact, x, &mut self.w);
         }
         change
     }
@@ -314,10 +312,8 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         let Sweeps { w, changes, .. } = self;
         let mut change = Change::NONE;
         changes.clear();
-        changes.resize(x.len(), 0.0);
-        for &i in members {
-            changes[i] = change.relax(&island.contacts[i], &mut x[i], w);
-        }
+        let relax = |&i: &usize| change.relax(&island.contacts[i], &mut x[i], w);
+        changes.extend(members.iter().map(relax));
         change
     }
 }

@@ -13,23 +13,27 @@
 //! coordinates. At the end all conditions of the island are looked at, and where they are not met, the whole
 //! island is swept again. Source: Bertsekas and Tsitsiklis 1989.
 
-use crate::solve::islands::Islands;
+use crate::solve::islands::{Islands, Sorted};
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{Goal, Island, SYSTEM_COST, Sweeps};
 
 /// The most sweeps over a part before what is around it is looked at again.
 const ROUND: usize = 8;
+/// The bits of a word.
+const BITS: usize = u64::BITS as usize;
 
 /// The parts of one island.
 #[derive(Debug, Default)]
 pub(crate) struct UnsettledParts<const F: usize, const D: usize> {
     /// The number of each body within the island; of what does not move, that of its bodies.
     number: Vec<usize>,
-    /// The bodies of each contact by these numbers.
+    /// The bodies of each contact by these numbers, and the contacts of each body.
     ends: Vec<[usize; 2]>,
-    /// Which bodies have changed.
+    of_body: Sorted,
+    /// Which bodies have changed, and which contacts are of these, a bit each.
     changed: Vec<bool>,
-    /// All contacts of these.
+    near: Vec<u64>,
+    /// The contacts that are swept over, in ascending order.
     around: Vec<usize>,
     /// Those of them that push, and how they hang together.
     chosen: Vec<usize>,
@@ -60,25 +64,25 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         let Goal { change: settled, residual, .. } = goal;
         let (n, mut relaxed, mut solved) = (x.len(), 0, 0);
         let work = |relaxed: usize, solved: usize| relaxed.div_ceil(n) + SYSTEM_COST * solved;
-        let (mut whole, mut last) = (true, f64::INFINITY);
-        self.ends.clear();
+        let mut last = f64::INFINITY;
+        self.number_bodies(island);
+        self.around.clear();
+        self.around.extend(0..n);
         // Systems of a part count as if they were of the whole island: there is a bound all the same.
         while work(relaxed, solved) < bound {
-            let change = match whole {
-                true => sweeps.sweep(island, x),
-                false => sweeps.sweep_of(&self.around, island, x),
-            };
-            relaxed += if whole { n } else { self.around.len() };
+            let change = sweeps.sweep_of(&self.around, island, x);
+            relaxed += self.around.len();
             if sweeps.has_settled(&change, island, x, [settled, residual]) {
                 break;
             }
             // Nothing around the parts is unsettled, but something is not met: small changes have added up.
-            if !whole && change.fastest <= settled {
-                (whole, last) = (true, f64::INFINITY);
+            if self.around.len() < n && change.fastest <= settled {
+                self.around.clear();
+                self.around.extend(0..n);
+                last = f64::INFINITY;
                 continue;
             }
-            whole = false;
-            self.look_around(island, &sweeps.changes, settled);
+            self.look_around(&sweeps.changes, settled);
             let together = goal.is_within(goal.together, &change, last);
             last = change.energy;
             // The last sweep is one that shows what parts do to each other.
@@ -87,7 +91,7 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
                 continue;
             }
             last = f64::INFINITY;
-            self.find(island.bodies.len(), x);
+            self.find(x);
             let UnsettledParts { chosen, parts, part, .. } = self;
             for (members, bodies) in parts.iter() {
                 let members = members.iter().map(|&member| chosen[member]);
@@ -107,46 +111,69 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         [relaxed, solved]
     }
 
-    /// Finds all contacts of bodies of those that a sweep has changed by more than what counts as settled.
-    fn look_around(&mut self, island: Island<F, D>, changes: &[f64], settled: f64) {
-        let UnsettledParts { number, ends, changed, .. } = self;
+    /// Numbers the bodies of an island.
+    fn number_bodies(&mut self, island: Island<F, D>) {
+        let UnsettledParts { number, ends, of_body, changed, near, .. } = self;
         let still = island.bodies.len();
-        if ends.is_empty() {
-            // What does not move has a number beyond those of all bodies.
-            let beyond = island.contacts.iter().flat_map(|contact| contact.bodies).max();
-            number.clear();
-            number.resize(beyond.map_or(0, |beyond| beyond + 1), still);
-            island.bodies.iter().enumerate().for_each(|(i, &body)| number[body] = i);
-            ends.extend(island.contacts.iter().map(|contact| contact.bodies.map(|b| number[b])));
-        }
+        // What does not move has a number beyond those of all bodies.
+        let beyond = island.contacts.iter().flat_map(|contact| contact.bodies).max();
+        number.clear();
+        number.resize(beyond.map_or(0, |beyond| beyond + 1), still);
+        island.bodies.iter().enumerate().for_each(|(i, &body)| number[body] = i);
+        ends.clear();
+        ends.extend(island.contacts.iter().map(|contact| contact.bodies.map(|b| number[b])));
+        of_body.sort(still, ends.as_flattened());
         changed.clear();
-        changed.resize(still + 1, false);
-        for (ends, _) in ends.iter().zip(changes).filter(|(_, change)| **change > settled) {
-            ends.iter().for_each(|&body| changed[body] = true);
-        }
-        self.touching();
+        changed.resize(still, false);
+        near.clear();
+        near.resize(ends.len().div_ceil(BITS), 0);
     }
 
-    /// All contacts of bodies that have changed.
-    fn touching(&mut self) {
-        let UnsettledParts { ends, changed, around, .. } = self;
-        if let Some(still) = changed.last_mut() {
-            *still = false;
+    /// Finds all contacts of bodies of those that the last sweep has changed by more than what counts as settled.
+    fn look_around(&mut self, changes: &[f64], settled: f64) {
+        self.changed.fill(false);
+        self.near.fill(0);
+        for place in (0..changes.len()).filter(|&place| changes[place] > settled) {
+            self.mark(self.around[place]);
         }
+        self.gather();
+    }
+
+    /// The bodies of a contact have changed.
+    fn mark(&mut self, contact: usize) {
+        let UnsettledParts { ends, of_body, changed, near, .. } = self;
+        for body in ends[contact] {
+            if changed.get(body) == Some(&false) {
+                changed[body] = true;
+                // Each contact has two ends.
+                for touching in of_body.of(body).iter().map(|end| end / 2) {
+                    near[touching / BITS] |= 1 << (touching % BITS);
+                }
+            }
+        }
+    }
+
+    /// Lists all contacts of bodies that have changed.
+    fn gather(&mut self) {
+        let UnsettledParts { near, around, .. } = self;
         around.clear();
-        let touches = |ends: &[usize; 2]| ends.iter().any(|&body| changed[body]);
-        around.extend(ends.iter().enumerate().filter(|(_, ends)| touches(ends)).map(|(i, _)| i));
+        for (k, &word) in near.iter().enumerate() {
+            let mut left = word;
+            while left != 0 {
+                around.push(BITS * k + left.trailing_zeros() as usize);
+                left &= left - 1;
+            }
+        }
     }
 
     /// Finds the parts, and what is around them.
-    fn find(&mut self, still: usize, x: &[[f64; D]]) {
+    fn find(&mut self, x: &[[f64; D]]) {
         let UnsettledParts { ends, changed, around, chosen, parts, .. } = self;
         chosen.clear();
         chosen.extend(around.iter().filter(|&&i| x[i] != [0.0; D]));
-        let of = |&member: &usize| ends[member];
-        parts.find(still, chosen.iter().map(of));
-        chosen.iter().flat_map(of).for_each(|body| changed[body] = true);
-        self.touching();
+        parts.find(changed.len(), chosen.iter().map(|&member| ends[member]));
+        (0..self.chosen.len()).for_each(|k| self.mark(self.chosen[k]));
+        self.gather();
     }
 }
 

@@ -6,7 +6,7 @@ use crate::solve::body_state::speed;
 use crate::solve::island_solver::{Overlaps, SolvesIslands};
 use crate::world::islands::has_joints;
 use crate::world::memory::Memory;
-use crate::world::tolerances::LARGE;
+use crate::world::tolerances::{LARGE, Settled};
 use crate::{ContactError, ContactIn, DetectorIn, Dimension, World};
 
 /// The part of an overlap by which a step lifts: all of it at once would overshoot where gaps are
@@ -24,12 +24,16 @@ impl<G: Dimension, P: Potential> World<G, P> {
         &mut self,
         contacts: &[ContactIn<G>],
         q: &[f64],
-        settled: f64,
+        limits: Settled,
         h: f64,
     ) -> Result<(), ContactError> {
-        let Memory { states, lift_bias, lift_least, islands, solver, lift, with_joints, .. } =
+        let Memory { states, lift_bias, lift_least, islands, solver, lift, with_joints, v, .. } =
             &mut self.memory;
-        let f = G::FREEDOMS;
+        let (f, detector) = (G::FREEDOMS, &self.detector);
+        let fastest = |bodies: &[usize]| {
+            let of = |&body: &usize| speed::<G>(&v.0[f * body..][..f], detector.radius_of(body));
+            bodies.iter().map(of).fold(0.0, f64::max)
+        };
         // No gap ends below what it was, nor below zero.
         let of_pile = self.tolerance.is_none() && contacts.len() > LARGE;
         lift_least.clear();
@@ -40,6 +44,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 with_joints.extend(members.iter().filter(|&&i| i < contacts.len()));
                 continue;
             }
+            let settled = if of_pile { limits.lifted(fastest(bodies)) } else { limits.enough };
             let worst = members.iter().map(|&i| -lift_bias[i]).fold(0.0, f64::max);
             let overlaps = |&i: &usize| contacts[i].gap < 0.0 && lift_bias[i] < -settled;
             if !members.iter().any(overlaps) {
@@ -54,13 +59,13 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 let own = &mut lift.0[f * body..][..f];
                 own.iter_mut().zip(scale.iter().zip(change)).for_each(|(own, (a, b))| *own = a * b);
             }
-            let part = lifted_part(&self.detector, bodies.iter().copied(), &lift.0, h);
+            let part = lifted_part(detector, bodies.iter().copied(), &lift.0, h);
             for &body in bodies {
                 lift.0[f * body..][..f].iter_mut().for_each(|lift| *lift *= part);
             }
         }
         if self.memory.joints.rows() > 0 {
-            self.lift_jointed(contacts, q, settled, h)?;
+            self.lift_jointed(contacts, q, limits.enough, h)?;
         }
         Ok(())
     }

@@ -28,6 +28,9 @@ const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
 /// more for a pile that falls, a thousandth of what engines with a few sweeps leave is met all the same.
 const MOVING_TOLERANCE: f64 = 0.25;
 const FASTEST_TOLERANCE: f64 = 3e-4;
+/// What lifting may leave in a moving island of a pile, relative to what its velocities may: if less, it would take back
+/// in each step what they left, at a third of what a step costs, and what overlaps would lie no less deep.
+const LIFTED_TOLERANCE: f64 = 1.5;
 /// Islands of more contacts are large, and what has more is a pile.
 pub(super) const LARGE: usize = 100;
 
@@ -54,6 +57,11 @@ impl Settled {
     /// The residual within which a moving island of a pile is settled, by its fastest body.
     pub(super) fn moving(&self, fastest: f64) -> f64 {
         self.rounding.max(MOVING_TOLERANCE * self.gain).max(FASTEST_TOLERANCE * fastest)
+    }
+
+    /// The approach that lifting leaves in an island of a pile, by its fastest body, m/s.
+    pub(super) fn lifted(&self, fastest: f64) -> f64 {
+        if fastest > self.gain { LIFTED_TOLERANCE * self.moving(fastest) } else { self.enough }
     }
 
     /// The residual that a change leaves, within which an island is settled.
