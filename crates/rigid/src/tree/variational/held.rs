@@ -175,7 +175,8 @@ impl Held {
     fn open(&mut self, motion: &TreeMotion, t: f64, q: &[f64]) -> f64 {
         let Held { loops, drives, change, .. } = self;
         let loops = loops.as_ref().map_or(&[][..], |loops| &loops.rows);
-        let gaps = loops.iter().map(|row| [row.gap(motion), row.size(motion)]);
+        let extent = motion.extent();
+        let gaps = loops.iter().map(|row| [row.gap(motion), row.size(motion, extent)]);
         let driven = drives.iter().map(|drive| {
             let place = drive.motion(t)[0];
             [q[drive.coordinate] - place, drive.size(place)]
