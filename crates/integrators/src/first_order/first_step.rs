@@ -3,9 +3,9 @@
 //! ```text
 //! h (max(|f|, |f'|))^(1/k) ~ 0.01^(1/k)        in the norm of the tolerance
 //! ```
-//! `f'` by a difference along an explicit Euler step that is short enough to be harmless, `k` the
-//! order. A guess only: the error of the first step decides. It is long enough for the clock to resolve, whatever
-//! the unit of time.
+//! `f` is y', with a mass matrix not the field's; `f'` by a difference along an explicit Euler step that is short
+//! enough to be harmless, `k` the order. A guess only: the error of the first step decides. It is long enough for the
+//! clock to resolve, whatever the unit of time.
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4.
 
 use stationary_calculus::Storage;

@@ -96,7 +96,7 @@ impl<C: Storage> Linearization<C> {
     }
 
     /// Turns f into y', `(M - c J)^-1 f` with a small c: of what has no mass the rate that keeps its equations, as if
-    /// they held, because c would multiply their rounding. Without a mass matrix, and where there are no factors, f stays.
+    /// they held, because c divides their rounding. Without a mass matrix, and where there are no factors, f stays.
     pub(crate) fn solve_for_rate<F: VectorField>(&self, field: &F, f: &mut [f64]) {
         if let (Some(mass), Some(lu), Some(_)) = (field.mass(), &self.small, self.negative) {
             let n = f.len();
