@@ -80,6 +80,8 @@ pub struct Adaptive<I, C> {
     nodes: [State<C>; 2],
     end: f64,
     forces: [Vec<f64>; 2],
+    /// The middle of the step that is tried, and the mean forces of its halves.
+    tried: (State<C>, [Vec<f64>; 2]),
 }
 
 /// Steps that are much shorter than the last and no better.
@@ -134,7 +136,8 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
         }
         check_step(first)?;
         let whole = Parts::new(&integrator, state)?;
-        let forces = vec![0.0; integrator.multipliers().len()];
+        let none = vec![0.0; integrator.multipliers().len()];
+        let forces = [none.clone(), none];
         Ok(Adaptive {
             between: integrator.clone(),
             integrator,
@@ -144,7 +147,8 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
             whole,
             nodes: [state.clone(), state.clone()],
             end: state.t,
-            forces: [forces.clone(), forces],
+            tried: (state.clone(), forces.clone()),
+            forces,
         })
     }
 
@@ -208,6 +212,8 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
             }
             self.length = if last { self.length.max(h * factor) } else { h * factor };
             self.nodes[0].clone_from(state);
+            std::mem::swap(&mut self.nodes[1], &mut self.tried.0);
+            std::mem::swap(&mut self.forces, &mut self.tried.1);
             self.end = if last { until } else { from + h };
             self.halves.moving.t = self.end;
             state.clone_from(&self.halves.moving);
@@ -217,14 +223,14 @@ impl<C: Storage, I: ConstrainedIntegrator<C> + Clone> Adaptive<I, C> {
 
     /// A step and its halves.
     fn attempt(&mut self, state: &State<C>, h: f64) -> Result<ConstrainedReport, ConstraintError> {
-        let Adaptive { integrator, whole, halves, nodes, forces, .. } = self;
+        let Adaptive { integrator, whole, halves, tried: (middle, forces), .. } = self;
         halves.begin(state)?;
         whole.begin(state)?;
         let mut cost = integrator.step(&mut whole.moving, h)?;
         let [first, second] = forces;
         cost = cost.followed_by(&integrator.step(&mut halves.moving, 0.5 * h)?);
         first.copy_from_slice(integrator.multipliers());
-        nodes[1].clone_from(&halves.moving);
+        middle.clone_from(&halves.moving);
         cost = cost.followed_by(&integrator.step(&mut halves.moving, 0.5 * h)?);
         second.copy_from_slice(integrator.multipliers());
         Ok(cost)

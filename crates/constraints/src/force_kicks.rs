@@ -76,7 +76,7 @@ impl<F: Force> ForceKicks<F> {
         &self.force
     }
 
-    /// The work of each thing that acts, in the last step, joules.
+    /// The work of each thing that acts, in the last step, joules. After a step that failed they are of no use.
     pub fn works(&self) -> &[f64] {
         &self.works
     }

@@ -30,7 +30,7 @@ impl<G, F: Force> Forced<G, F> {
         self.kicks.force()
     }
 
-    /// The work of each thing that acts, in the last step, joules.
+    /// The work of each thing that acts, in the last step, joules. After a step that failed they are of no use.
     pub fn works(&self) -> &[f64] {
         self.kicks.works()
     }

@@ -63,7 +63,7 @@ impl<'s, P: Potential, S: BodySpace, R: FreeRotation, F: Force> LieVerlet<'s, P,
         LieVerlet::under(system, force)
     }
 
-    /// The work of each thing that acts, in the last step, joules.
+    /// The work of each thing that acts, in the last step, joules. After a step that failed they are of no use.
     pub fn works(&self) -> &[f64] {
         self.kicks.works()
     }

@@ -206,3 +206,30 @@ fn a_number_that_stays_zero_is_within_a_tolerance_of_zero() {
     }
     assert_eq!(state.q, [0.0, -1.0]);
 }
+
+#[test]
+fn after_a_step_that_fails_places_and_forces_are_still_those_of_the_last_one() {
+    let problem = pendulum(0.01).unwrap();
+    let initial = &problem.problem.initial;
+    let rattle = Rattle::new(&problem.problem.system, &problem.problem.rods, initial, ONE).unwrap();
+    let mut state = initial.clone();
+    let mut method = Adaptive::new(rattle, tolerance(1e-9), 1e-2, &state).unwrap();
+    for _ in 0..4 {
+        method.advance(&mut state, 1.0).unwrap();
+    }
+    let (end, mut there) = (state.t, state.clone());
+    let mut look = |method: &mut Adaptive<_, _>| {
+        [0.2, 0.8].map(|part| {
+            let mut lambda = [0.0];
+            method.at(end - 1e-3 * part, &mut there, &mut lambda).unwrap();
+            (there.clone(), lambda)
+        })
+    };
+    let before = look(&mut method);
+    // Faster, and so late that the clock does not tell shorter steps apart.
+    let mut late = State { t: 1e15, ..state };
+    late.p.0.iter_mut().for_each(|p| *p *= 30.0);
+    let error = method.advance(&mut late, 1e15 + 1.0).unwrap_err();
+    assert!(matches!(error, ConstraintError::StepTooShort { .. }), "{error}");
+    assert_eq!(look(&mut method), before);
+}

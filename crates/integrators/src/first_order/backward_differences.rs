@@ -334,13 +334,21 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for BackwardDifferences<F, C>
         check_finite("f", moment.t, self.f.as_ref())?;
         self.moment.clone_from(moment);
         self.last_begin = None;
-        let scratch = [&mut self.s, &mut self.b, &mut self.d];
-        let guess = guess_step(&self.field, &self.scale, moment, &self.f, 2, scratch);
+        self.jacobian.take(&self.field, &self.scale, (moment.t, &moment.y), &mut self.work);
+        let BackwardDifferences { field, scale, jacobian, s, b, d, f, psi, .. } = self;
+        psi.clone_from(f);
+        let solve = |f: &mut [f64]| jacobian.solve_for_rate(field, f);
+        solve(psi.as_mut());
+        let guess = guess_step(field, scale, moment, (psi, solve), 2, [s, b, d]);
         self.work.evaluations += 2;
         (self.h, self.order) = (self.control.begin(guess), 1);
-        self.history.restart(&moment.y, &self.f, self.h);
-        self.jacobian.take(&self.field, &self.scale, (moment.t, &moment.y), &mut self.work);
         self.factored = 0.0;
+        if self.field.mass().is_some() && self.factor(self.h) {
+            // The slope of a first step that is implicit and linear: it lets die out what is fast.
+            self.psi.clone_from(&self.f);
+            self.lu.solve(self.psi.as_mut());
+        }
+        self.history.restart(&moment.y, &self.psi, self.h);
         Ok(())
     }
 

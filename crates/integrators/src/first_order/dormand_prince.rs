@@ -291,7 +291,8 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for DormandPrince853<F, C> {
         let [s, difference] = &mut self.errors;
         let scratch = [s, difference, &mut self.stage];
         let (field, order) = (&self.field, FACTS.order);
-        let guess = guess_step(field, &self.scale, &self.moment, &self.f, order, scratch);
+        let guess =
+            guess_step(field, &self.scale, &self.moment, (&self.f, |_: &mut _| {}), order, scratch);
         self.work.evaluations += 1;
         self.h = self.control.begin(guess);
         self.before = 0.0;

@@ -264,7 +264,8 @@ impl<F: VectorField, S: Storage> AdaptiveMethod<S> for DormandPrince54<F, S> {
         self.last.begin = None;
         let scratch = [&mut self.error, &mut self.next, &mut self.stage];
         let (field, order) = (&self.field, FACTS.order);
-        let guess = guess_step(field, &self.scale, &self.moment, &self.f, order, scratch);
+        let guess =
+            guess_step(field, &self.scale, &self.moment, (&self.f, |_: &mut _| {}), order, scratch);
         self.work.evaluations += 1;
         self.h = self.control.begin(guess);
         self.trend = StepTrend::new(ESTIMATE);

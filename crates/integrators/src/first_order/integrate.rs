@@ -8,15 +8,20 @@
 //! error the method stands at its last good moment.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use stationary_calculus::Storage;
 
 use super::{AdaptiveError, AdaptiveMethod, Event, Moment};
 
+/// How many steps observers have seen, of all methods: the count of a method is set back where it loads.
+static SEEN: AtomicU64 = AtomicU64::new(0);
+
 /// What the observer sees after a step.
 #[derive(Debug)]
 pub struct AcceptedStep<'a, C, A: ?Sized> {
     method: &'a mut A,
+    number: u64,
     from: f64,
     /// Whether it began where the step before it had ended, in the same state.
     goes_on: bool,
@@ -24,10 +29,15 @@ pub struct AcceptedStep<'a, C, A: ?Sized> {
     cut: Option<&'a Moment<C>>,
 }
 
-impl<C: Storage, A: AdaptiveMethod<C> + ?Sized> AcceptedStep<'_, C, A> {
-    /// Which step of its method it is.
+impl<'a, C: Storage, A: AdaptiveMethod<C> + ?Sized> AcceptedStep<'a, C, A> {
+    fn new(method: &'a mut A, from: f64, goes_on: bool, cut: Option<&'a Moment<C>>) -> Self {
+        let number = SEEN.fetch_add(1, Ordering::Relaxed);
+        AcceptedStep { method, number, from, goes_on, cut }
+    }
+
+    /// What no other step has, not even the same one taken again.
     pub(super) fn number(&self) -> u64 {
-        self.method.work().steps
+        self.number
     }
 
     /// Whether what was known at the end of the step before it holds where it began.
@@ -87,7 +97,7 @@ pub fn integrate<C: Storage, A: AdaptiveMethod<C> + ?Sized>(
         // After a restart there is no last step.
         let goes_on = method.last_begin().is_some();
         method.step(end)?;
-        if observe(AcceptedStep { method, from, goes_on, cut: None }).is_break() {
+        if observe(AcceptedStep::new(method, from, goes_on, None)).is_break() {
             return Ok(Outcome::BrokenOff);
         }
         if method.moment().t >= end {
@@ -117,12 +127,12 @@ where
     loop {
         let from = method.moment().t;
         method.step(end)?;
-        if event.crossing(&mut AcceptedStep { method, from, goes_on: true, cut: None })? {
+        if event.crossing(&mut AcceptedStep::new(method, from, true, None))? {
             let cut = event.moment();
-            observe(AcceptedStep { method, from, goes_on: true, cut: Some(cut) });
+            observe(AcceptedStep::new(method, from, true, Some(cut)));
             return method.restart(event.moment());
         }
-        observe(AcceptedStep { method, from, goes_on: true, cut: None });
+        observe(AcceptedStep::new(method, from, true, None));
         if method.moment().t >= end {
             return Err(AdaptiveError::NoEvent { first, last: event.value(), end });
         }

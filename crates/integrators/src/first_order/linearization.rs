@@ -80,8 +80,9 @@ impl<C: Storage> Linearization<C> {
         self.rounding = relative * size(&self.matrix);
         if let (Some(mass), Some(lu)) = (field.mass(), &mut self.small) {
             let matrix = &self.matrix;
-            self.rounding /= size(mass);
-            let c = SMALL * size(mass) / size(matrix);
+            let fastest = fastest(mass, matrix, self.f.as_ref().len());
+            self.rounding = relative * fastest;
+            let c = if fastest > 0.0 { SMALL / fastest } else { 1.0 };
             pencil(field, matrix, lu.matrix(), |m, j| m - c * j);
             work.factorizations += 1;
             self.negative = lu.factor().is_ok().then(|| lu.is_negative());
@@ -92,6 +93,17 @@ impl<C: Storage> Linearization<C> {
     /// positive multiple of it. An implicit step of such a `c` lets them decay, or change sign.
     pub(crate) fn is_outgrown(&self, c: f64, factors: &Lu<f64>) -> bool {
         c * self.rounding < 1.0 && self.negative.is_some_and(|sign| sign != factors.is_negative())
+    }
+
+    /// Turns f into y', `(M - c J)^-1 f` with a small c: of what has no mass the rate that keeps its equations, as if
+    /// they held, because c divides their rounding. Without a mass matrix, and where there are no factors, f stays.
+    pub(crate) fn solve_for_rate<F: VectorField>(&self, field: &F, f: &mut [f64]) {
+        if let (Some(mass), Some(lu), Some(_)) = (field.mass(), &self.small, self.negative) {
+            let n = f.len();
+            let massless = |i: usize| mass.iter().skip(i).step_by(n).all(|entry| *entry == 0.0);
+            f.iter_mut().enumerate().filter(|(i, _)| massless(*i)).for_each(|(_, f)| *f = 0.0);
+            lu.solve(f);
+        }
     }
 
     fn take_differences<F: VectorField>(&mut self, field: &F, scale: &ErrorScale<C>) {
@@ -114,8 +126,17 @@ impl<C: Storage> Linearization<C> {
     }
 }
 
-/// c in parts of |M| / |J| where `M - c J` stands for all smaller ones.
+/// c in parts of the shortest `|M_i| / |J_i|` where `M - c J` stands for all smaller ones.
 const SMALL: f64 = 1e-10;
+
+/// The largest `|J_i| / |M_i|` of the rows i that have a mass: each has a unit of its own.
+fn fastest(mass: &[f64], jacobian: &[f64], n: usize) -> f64 {
+    let row = |matrix: &[f64], i: usize| {
+        matrix.iter().skip(i).step_by(n).map(|entry| entry * entry).sum::<f64>().sqrt()
+    };
+    let rates = (0..n).map(|i| (row(mass, i), row(jacobian, i))).filter(|(m, _)| *m > 0.0);
+    rates.map(|(m, j)| j / m).fold(0.0, f64::max)
+}
 
 /// The root of the sum of squares.
 fn size(matrix: &[f64]) -> f64 {

@@ -369,10 +369,14 @@ impl<F: VectorField, C: Storage> AdaptiveMethod<C> for RadauIia5<F, C> {
         self.arrive();
         self.last.begin = None;
         (self.last.h, self.last.error) = (0.0, 0.0);
-        self.collocation.restart();
-        let [scratch, difference, _] = &mut self.collocation.z;
-        let scratch = [scratch, difference, &mut self.moved];
-        let guess = guess_step(&self.field, &self.scale, moment, &self.f, 4, scratch);
+        let RadauIia5 { field, scale, f, collocation, error, moved, work, .. } = self;
+        collocation.restart(field, scale, moment, work);
+        let Collocation { z: [scratch, difference, _], jacobian, .. } = collocation;
+        error.clone_from(f);
+        let solve = |f: &mut [f64]| jacobian.solve_for_rate(field, f);
+        solve(error.as_mut());
+        let scratch = [scratch, difference, moved];
+        let guess = guess_step(field, scale, moment, (error, solve), 4, scratch);
         self.work.evaluations += 2;
         self.h = self.control.begin(guess);
         Ok(())

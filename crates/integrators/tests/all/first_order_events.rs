@@ -172,3 +172,30 @@ fn an_event_looks_afresh_after_a_restart_at_the_end_of_a_step() {
         }
     }
 }
+
+#[test]
+fn a_step_that_is_taken_again_after_a_load_has_its_crossing_again() {
+    let field = FunctionField::new(1, |_t, _y: &[f64], f: &mut [f64]| f[0] = 1.0);
+    let start = Moment::new(0.0, [-1.0]);
+    for mut method in all(&field, &control(1e-6), &start) {
+        let name = method.facts().name;
+        let mut event = Event::new(Direction::Any, &start, |_t, y: &[f64]| y[0]);
+        let mut times = Vec::new();
+        while method.moment().t < 1.5 {
+            let saved = method.save();
+            for again in [false, true] {
+                if again {
+                    method.load(&saved).unwrap();
+                }
+                integrate(&mut *method, 1.5, |mut step| {
+                    while event.crossing(&mut step).unwrap() {
+                        times.push(event.moment().t);
+                    }
+                    ControlFlow::Break(())
+                })
+                .unwrap();
+            }
+        }
+        assert!(times.len() == 2 && times[0] == times[1], "{name}: {times:?}");
+    }
+}

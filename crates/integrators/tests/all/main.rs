@@ -16,6 +16,7 @@ mod global_errors;
 mod gautschi;
 mod hamilton;
 mod long_momenta;
+mod mass_matrices;
 mod newmark;
 mod no_allocation;
 mod noether;

@@ -32,6 +32,8 @@ pub(super) struct Kicks {
     impulse: Vec<f64>,
     speeds: [Vec<f64>; 2],
     pub(super) momenta: Vec<f64>,
+    /// In the step that is tried.
+    pub(super) tried: f64,
     pub(super) work: f64,
 }
 
@@ -46,6 +48,7 @@ impl Kicks {
             impulse: zeros.clone(),
             speeds: [zeros.clone(), zeros.clone()],
             momenta: zeros,
+            tried: 0.0,
             work: 0.0,
         }
     }
@@ -85,7 +88,7 @@ impl Kicks {
         let pushed = p.iter().zip(&self.impulse).map(|(p, f)| p + f);
         self.momenta.iter_mut().zip(pushed).for_each(|(sum, pushed)| *sum = pushed);
         motion.speeds_of(&self.momenta, &mut self.speeds[1]).map_err(speedless)?;
-        self.work = self.along();
+        self.tried = self.along();
         Ok(())
     }
 
@@ -119,7 +122,7 @@ impl Kicks {
                 || (stale >= PATIENCE && change <= STAGNANT * scale)
             {
                 p.copy_from_slice(&self.momenta);
-                self.work += self.along();
+                self.tried += self.along();
                 return Ok(());
             }
             if change.is_nan() || change > 1e12 * scale.max(last) {

@@ -59,7 +59,7 @@ pub struct TreeLoops {
 
 /// Most corrections of a configuration: it takes three or four.
 const ITERATIONS: u32 = 30;
-/// A gap that is left is rounding, against the distance of its points from the origin.
+/// A gap that is left is rounding, against the distance of its points from the origin or the size of the tree.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// So is one that corrections no longer halve: coordinates of many turns are rounded by more.
 const STALLED: f64 = 1e-9;
@@ -69,8 +69,7 @@ const REFINEMENTS: u32 = 8;
 /// Nothing is left of the multipliers below this part of them.
 const ROUNDED: f64 = 256.0 * f64::EPSILON;
 
-/// A gap of a row that was set aside, as a part of its points' distance from the origin, beyond which nothing
-/// else held it.
+/// A gap of a row that was set aside, as a part of the same, beyond which nothing else held it.
 const OPENED: f64 = 1e-6;
 
 impl TreeLoops {
@@ -294,10 +293,10 @@ impl TreeLoops {
         motion.place(q, v)?;
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
-            let mut gap = 0.0_f64;
+            let (extent, mut gap) = (motion.extent(), 0.0_f64);
             for (part, row) in self.parts.iter_mut().zip(&self.rows) {
                 *part = -row.gap(motion);
-                gap = gap.max(part.abs() / row.size(motion));
+                gap = gap.max(part.abs() / row.size(motion, extent));
             }
             if gap <= ROUNDING || (gap >= 0.5 * last && gap <= STALLED) {
                 self.check_aside(motion)?;
@@ -340,7 +339,8 @@ impl TreeLoops {
 
     /// An error where a row that others held is held no longer.
     pub(super) fn check_aside(&self, motion: &TreeMotion) -> Result<(), TreeError> {
-        let part = |row: &LoopRow| row.gap(motion).abs() / row.size(motion);
+        let extent = motion.extent();
+        let part = |row: &LoopRow| row.gap(motion).abs() / row.size(motion, extent);
         let gap = self.aside.iter().map(part).fold(0.0, f64::max);
         if gap <= OPENED { Ok(()) } else { Err(TreeError::NotClosed { gap }) }
     }

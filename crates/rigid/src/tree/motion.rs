@@ -145,6 +145,12 @@ impl TreeMotion {
         })
     }
 
+    /// The largest of the ways from body to body and of the radii of gyration, metres.
+    pub(super) fn extent(&self) -> f64 {
+        let way = |at: &Placed| at.reach.norm().max(at.arm.norm());
+        self.placed.iter().map(way).fold(self.tree.radius(), f64::max)
+    }
+
     pub(super) fn placed(&self, body: usize) -> Result<&Placed, TreeError> {
         let bodies = self.placed.len();
         self.placed.get(body).ok_or(TreeError::NoSuchBody { body, bodies })

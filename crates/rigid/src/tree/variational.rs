@@ -355,6 +355,7 @@ impl<D: Fn(f64, &TreeMotion, &mut TreeForces)> Integrator<Vec<f64>> for TreeVari
         if let Some(freedom) = first_non_finite(self.next.p.components()) {
             return Err(StepError::NonFiniteMomentum { freedom });
         }
+        self.kicks.work = self.kicks.tried;
         self.arrived.extend_from_slice(&self.next.q);
         self.guesses.remember((state.t, h));
         self.next.t = state.t + h;

@@ -217,3 +217,41 @@ fn a_step_goes_on_from_what_was_saved_and_loops_that_depend_on_a_drive_are_refus
     let error = TreeVariational::new(tree, GRAVITY).unwrap().closed(other).unwrap_err();
     assert!(matches!(error, TreeError::Size(_)), "{error}");
 }
+
+/// A gap at the origin is all that its points are away from there: it is rounded against the tree.
+#[test]
+fn a_loop_that_holds_a_point_at_the_origin_is_held_as_anywhere_else() {
+    let ends = [1e-6, 1.0].map(|size| {
+        [0.0, 3.0].map(|place| {
+            let mut builder = TreeBuilder::default();
+            let planar = JointKind::Planar { axes: [Vector3::x(), Vector3::y()] };
+            let body = Body::new(1.0, [0.1 * size * size; 3]).unwrap();
+            let first = builder.hang(None, planar, [at(0.0); 2], body);
+            builder.hang(Some(first), HINGE, [at(size); 2], body);
+            let tree = builder.build().unwrap();
+            let mut loops = TreeLoops::new(&tree);
+            let held = JointEnd::world(Vector3::x() * (place * size));
+            let centre = JointEnd::on(first, Vector3::zeros());
+            loops.join(&tree, JointKind::Ball, [held, centre]).unwrap();
+            let mut motion = TreeMotion::new(tree.clone());
+            let mut q = [(place + 0.3) * size, 0.2 * size, 0.3, 0.2];
+            let mut v = [0.1 * size, 0.2 * size, 1.0, -0.5];
+            motion.place(&q, &v).unwrap();
+            // Out of the plane the joint holds already.
+            loops.keep_independent(&mut motion).unwrap();
+            loops.close(&mut motion, &mut q, &mut v).unwrap();
+            let gravity = GRAVITY * size;
+            let mut method = TreeVariational::new(tree, gravity).unwrap().closed(loops).unwrap();
+            let mut state = method.state(&q, &v).unwrap();
+            for _ in 0..20 {
+                method.step(&mut state, 1e-2).unwrap();
+            }
+            assert!((state.q[0] - place * size).hypot(state.q[1]) < 1e-14 * size);
+            [state.q[2], state.q[3]]
+        })
+    });
+    for [x, y] in ends.as_flattened() {
+        let [one, other] = ends[0][0];
+        assert!((x - one).abs() < 1e-12 && (y - other).abs() < 1e-12, "{ends:?}");
+    }
+}

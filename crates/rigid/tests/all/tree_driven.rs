@@ -147,6 +147,18 @@ fn a_step_too_long_for_its_damper_is_refused_and_leaves_the_state() {
 }
 
 #[test]
+fn after_a_step_that_fails_the_work_is_still_that_of_the_last_one() {
+    let tree = bars(JointKind::Hinge { axis: Vector3::y() });
+    let mut method = TreeVariational::driven(tree, GRAVITY, drive).unwrap();
+    let mut state = method.state(&START.0, &START.1).unwrap();
+    method.step(&mut state, 0.01).unwrap();
+    let work = method.work();
+    // More than half a turn.
+    method.step(&mut state, 10.0).unwrap_err();
+    assert!(method.work() == work && work != 0.0, "{} {work}", method.work());
+}
+
+#[test]
 fn a_driven_step_of_a_tree_allocates_nothing() {
     let tree = bars(JointKind::Hinge { axis: Vector3::y() });
     let mut method = TreeVariational::driven(tree, GRAVITY, drive).unwrap();

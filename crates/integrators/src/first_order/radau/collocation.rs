@@ -53,7 +53,7 @@ pub(super) struct Collocation<C> {
     /// The factor by which the last iterations shrank.
     pub(super) contraction: f64,
     tolerance: f64,
-    jacobian: Linearization<C>,
+    pub(super) jacobian: Linearization<C>,
     /// The step that the factors belong to; 0 where there are none.
     factored: f64,
     real: Lu<f64>,
@@ -85,10 +85,20 @@ impl<C: Storage> Collocation<C> {
         })
     }
 
-    /// Forgets what was learnt about another motion.
-    pub(super) fn restart(&mut self) {
+    /// Forgets what was learnt about another motion; with a mass matrix learns what y' is of f.
+    pub(super) fn restart<F: VectorField>(
+        &mut self,
+        field: &F,
+        scale: &ErrorScale<C>,
+        moment: &Moment<C>,
+        work: &mut Work,
+    ) {
         (self.reuse, self.factored) = (Reuse::Nothing, 0.0);
         self.contraction = 0.0;
+        if field.mass().is_some() {
+            self.jacobian.take(field, scale, (moment.t, &moment.y), work);
+            self.reuse = Reuse::Fresh;
+        }
     }
 
     fn factor<F: VectorField>(&mut self, field: &F, h: f64) -> Result<(), Singular> {

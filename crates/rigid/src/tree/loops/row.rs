@@ -45,10 +45,12 @@ impl LoopRow {
         self.row.value(&self.placed(motion))
     }
 
-    /// What a gap is rounded against.
-    pub(in crate::tree) fn size(&self, motion: &TreeMotion) -> f64 {
+    /// What a gap is rounded against, in a tree of this [extent](TreeMotion::extent).
+    pub(in crate::tree) fn size(&self, motion: &TreeMotion, extent: f64) -> f64 {
         let far = |at: Placed| at.place.norm().max(at.arm.norm());
-        let length = self.row.length(self.placed(motion).map(far).into_iter().fold(0.0, f64::max));
+        // Points at the origin are as far from it as they gape, and rounded as what leads there.
+        let length =
+            self.row.length(self.placed(motion).map(far).into_iter().fold(extent, f64::max));
         length.filter(|length| *length > 0.0).unwrap_or(1.0)
     }
 

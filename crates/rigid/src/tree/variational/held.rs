@@ -175,7 +175,8 @@ impl Held {
     fn open(&mut self, motion: &TreeMotion, t: f64, q: &[f64]) -> f64 {
         let Held { loops, drives, change, .. } = self;
         let loops = loops.as_ref().map_or(&[][..], |loops| &loops.rows);
-        let gaps = loops.iter().map(|row| [row.gap(motion), row.size(motion)]);
+        let extent = motion.extent();
+        let gaps = loops.iter().map(|row| [row.gap(motion), row.size(motion, extent)]);
         let driven = drives.iter().map(|drive| {
             let place = drive.motion(t)[0];
             [q[drive.coordinate] - place, drive.size(place)]
@@ -215,6 +216,12 @@ impl Held {
             end.iter_mut().zip(&*change).for_each(|(end, change)| *end += change);
             Self::add(&self.levers, &self.change, 1.0, p);
         }
+        if let Some(loops) = &self.loops {
+            loops.check_aside(motion).map_err(|error| match error {
+                TreeError::NotClosed { gap } => unclosed(&[gap]),
+                _ => StepError::SingularLegendreTransform,
+            })?;
+        }
         let Held { rates, impulses: [start, end], forces, work, .. } = self;
         for ((force, a), b) in forces.iter_mut().zip(&*start).zip(&*end) {
             *force = (a + b) / h;
@@ -222,12 +229,6 @@ impl Held {
         *work = 0.0;
         for (rates, impulses) in rates.iter().zip([&*start, &*end]) {
             *work += rates.iter().zip(impulses).map(|(rate, impulse)| rate * impulse).sum::<f64>();
-        }
-        if let Some(loops) = &self.loops {
-            loops.check_aside(motion).map_err(|error| match error {
-                TreeError::NotClosed { gap } => unclosed(&[gap]),
-                _ => StepError::SingularLegendreTransform,
-            })?;
         }
         Ok(())
     }
