@@ -142,7 +142,7 @@ mod tests {
         let scale = Spatial::scales(&BodyMetric::new(vec![body]))[0];
         let states = [BodyState::<Spatial>::new(0, scale, &q, &velocity)];
         let directions = Spatial::directions(&point.normal);
-        let contact = RigidContact::new(0, &point, &directions, 0.0, &states).unwrap();
+        let contact = RigidContact::new(&point, &directions, 0.0, &states);
         let (mut x, mut w) = ([0.0; 3], [[0.0; 6]; 2]);
         contact.relax(&mut x, &mut w);
         let after = [0, 1, 2].map(|k| v[k] + scale[k] * w[0][k]);

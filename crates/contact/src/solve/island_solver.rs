@@ -255,12 +255,11 @@ where
         if members.len() <= POLISHED && unequal::<G>(bodies, states) {
             report.solved += self.polish.refine(sweeps, island, x);
         }
-        // Changes leave their rounding in impulses, which is large for those that have become small.
-        for (x, contact) in x.iter_mut().zip(island.contacts) {
-            *x = into_cone(*x, contact.friction);
+        let mut left = sweeps.conclude(island, x);
+        if within.of_pile && left.iter().any(|left| *left > within.reached) {
+            report.solved += self.polish.polish(sweeps, island, x, (SMALL, within.reached));
+            left = sweeps.conclude(island, x);
         }
-        sweeps.refresh(island, x);
-        let mut left = sweeps.residuals(island, x);
         if sweeps.bound_energy(island, x, free.bias, members) {
             left = sweeps.residuals(island, x);
         }
@@ -331,7 +330,7 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     /// Settles an island of a pile as far as asked, and what nearly rests a little finer in every step, until it
     /// rests; says how many contacts were relaxed, and how many systems solved.
     fn settle_of_pile(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, from, x, sweeps, parts, polish, .. } = self;
+        let IslandSolver { contacts, from, x, sweeps, parts, .. } = self;
         let island = Island { contacts: &contacts[*from..], bodies };
         let Within { settled, reached, fine, .. } = within;
         let held = fine.map_or(0, |change| sweeps.hold(island, x, change));
@@ -344,9 +343,6 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
         if let Some(change) = fine {
             let more = sweeps.rest(island, x, change);
             (relaxed, solved) = (relaxed + more[0], solved + more[1]);
-        }
-        if sweeps.residuals(island, x).iter().any(|left| *left > reached) {
-            solved += polish.polish(sweeps, island, x, (SMALL, reached));
         }
         [relaxed, solved]
     }
@@ -419,7 +415,11 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
                 Some(&last) if last[0] == point.normal => last,
                 _ => G::directions(&point.normal),
             };
-            self.contacts.push(RigidContact::new(i, point, &directions, bias[i], states)?);
+            let contact = RigidContact::new(point, &directions, bias[i], states);
+            if !contact.moves() {
+                return Err(ContactError::Immovable { contact: i });
+            }
+            self.contacts.push(contact);
             self.directions.push(directions);
         }
         Ok(())

@@ -12,7 +12,7 @@
 //! What no impulse moves has no rows; its velocity is in `o`. Source: notes 11.4.1, 11.4.2.
 
 use crate::solve::body_state::BodyState;
-use crate::{ContactError, ContactIn, Dimension};
+use crate::{ContactIn, Dimension};
 use stationary_calculus::array;
 
 /// A contact, packed: F freedoms of a body, D directions, the normal first.
@@ -89,15 +89,14 @@ impl<const D: usize> Compliance<D> {
 }
 
 impl<const F: usize, const D: usize> RigidContact<F, D> {
-    /// The contact at a point with these directions, between bodies in these states; an error where
-    /// neither moves.
+    /// The contact at a point with these directions, between bodies in these states.
+    #[inline]
     pub(crate) fn new<G>(
-        number: usize,
         point: &ContactIn<G>,
         directions: &[G::Vector; D],
         bias: f64,
         states: &[BodyState<G>],
-    ) -> Result<Self, ContactError>
+    ) -> Self
     where
         G: Dimension<Velocity = [f64; F]>,
     {
@@ -124,10 +123,13 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
             }
         }
         contact.compliance = Compliance::of(&contact.rows);
-        match contact.compliance.normal_mass.is_finite() {
-            true => Ok(contact),
-            false => Err(ContactError::Immovable { contact: number }),
-        }
+        contact
+    }
+
+    /// Whether any impulse along its normal moves a body.
+    #[inline]
+    pub(crate) fn moves(&self) -> bool {
+        self.compliance.normal_mass.is_finite()
     }
 
     /// The rates along the normal and the tangents, m/s.

@@ -17,6 +17,7 @@
 
 use stationary_calculus::array;
 
+use crate::solve::friction::into_cone;
 use crate::solve::proximal::Proximal;
 use crate::solve::rigid_contact::RigidContact;
 
@@ -141,6 +142,16 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
     pub(crate) fn refresh(&mut self, island: Island<F, D>, x: &[[f64; D]]) {
         island.bodies.iter().for_each(|&body| self.w[body] = [0.0; F]);
         self.push(island, x);
+    }
+
+    /// Takes impulses back into their cones, for changes leave their rounding in them, which is large for those that have
+    /// become small; says how far the conditions are from being met then, m/s.
+    pub(crate) fn conclude(&mut self, island: Island<F, D>, x: &mut [[f64; D]]) -> [f64; 2] {
+        for (x, contact) in x.iter_mut().zip(island.contacts) {
+            *x = into_cone(*x, contact.friction);
+        }
+        self.refresh(island, x);
+        self.residuals(island, x)
     }
 
     /// How far the normal conditions and Coulomb's law of an island are from being met, m/s.

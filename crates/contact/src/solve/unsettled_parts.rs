@@ -214,8 +214,7 @@ mod tests {
                 restitution: 0.0,
                 friction: 0.0,
             };
-            RigidContact::new(first, &point, &Spatial::directions(&point.normal), 0.0, &states)
-                .unwrap()
+            RigidContact::new(&point, &Spatial::directions(&point.normal), 0.0, &states)
         };
         let contacts: Vec<_> = (0..before.len() - 1).map(contact).collect();
         let bodies: Vec<_> = (0..before.len()).collect();
