@@ -54,6 +54,24 @@ pub enum Unsolvable {
         /// The best residual that refinement reached, relative to the right-hand side.
         relative_residual: f64,
     },
+    /// An iteration met a direction in which the matrix is not positive.
+    #[error(
+        "after {iterations} iterations the linearized equation has a direction in which it is not positive"
+    )]
+    NotPositive {
+        /// Iterations until then.
+        iterations: usize,
+    },
+    /// An iteration was ended by its bound.
+    #[error(
+        "{iterations} iterations left the linearized equation a relative residual of {relative_residual:e}"
+    )]
+    NotConverged {
+        /// The bound.
+        iterations: usize,
+        /// The residual relative to the right-hand side.
+        relative_residual: f64,
+    },
     /// A solver was made for another number of freedoms.
     #[error(transparent)]
     Size(#[from] SizeError),

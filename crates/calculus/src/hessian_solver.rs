@@ -81,6 +81,12 @@ pub trait HessianSolver {
     /// that matrix has rows, where it is indefinite and no x passes the check of its residual, and
     /// where x is too large for a number, every component of x is NaN.
     fn solve(&mut self, r: &mut [f64]);
+
+    /// Why the last solve left NaN, where the solver can tell: an iteration that did not converge.
+    #[inline]
+    fn unsolved(&self) -> Option<Unsolvable> {
+        None
+    }
 }
 
 impl<S: HessianSolver> HessianSolver for &mut S {
@@ -104,6 +110,11 @@ impl<S: HessianSolver> HessianSolver for &mut S {
     #[inline]
     fn solve(&mut self, r: &mut [f64]) {
         (**self).solve(r);
+    }
+
+    #[inline]
+    fn unsolved(&self) -> Option<Unsolvable> {
+        (**self).unsolved()
     }
 }
 

@@ -43,7 +43,7 @@ pub enum Solves {
     /// By a factor, whose order of elimination is found this way.
     Factor(Ordering),
     /// By conjugate gradients, for bodies whose factor is too large or too slow. Where the Hessian is
-    /// not positive definite it gives up: project it ([`Solid::with_curvature`]).
+    /// not positive definite it gives up, and the error says so: project it ([`Solid::with_curvature`]).
     Iterate(ConjugateGradient),
 }
 

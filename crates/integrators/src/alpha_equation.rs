@@ -121,7 +121,7 @@ impl<M: Metric, P: Potential, C: Storage, F: Force, L: HessianSolver> Equation
         self.report.hessians += 1;
         self.report.rung = self.report.rung.max(rung);
         self.solver.solve(f);
-        Ok(())
+        self.solver.unsolved().map_or(Ok(()), Err)
     }
 
     fn norm(&mut self, f: &[f64]) -> f64 {

@@ -29,7 +29,7 @@
 
 use stationary_calculus::{
     Covector, DenseSolver, HessianSolver, Metric, NewtonError, NewtonFailure, Potential, SizeError,
-    Space, Storage, System, Vector, first_non_finite,
+    Space, Storage, System, Unsolvable, Vector, first_non_finite,
 };
 
 use crate::collocation::{Collocation, Nodes};
@@ -166,7 +166,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
     }
 
     /// Writes the step of each stage, and returns the largest component.
-    fn blended_steps(&mut self) -> f64 {
+    fn blended_steps(&mut self) -> Result<f64, Unsolvable> {
         let metric = self.system.metric();
         let mut largest = 0.0_f64;
         for i in 0..self.stages.len() {
@@ -178,13 +178,15 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
             step.clone_from(residual);
             step.add_scaled(-1.0, self.blend.view());
             self.solver.solve(step.components_mut());
+            self.solver.unsolved().map_or(Ok(()), Err)?;
             self.difference.components_mut().copy_from_slice(step.components());
             metric.flat(self.difference.view(), step.view_mut());
             step.add_scaled(1.0, self.blend.view());
             self.solver.solve(step.components_mut());
+            self.solver.unsolved().map_or(Ok(()), Err)?;
             largest = largest_of(step.components(), largest);
         }
-        largest
+        Ok(largest)
     }
 
     /// The largest component of the steps relative to its coordinate, from now on measured by sizes that
@@ -228,6 +230,7 @@ impl<'s, M: Metric, P: Potential, C: Storage, L: HessianSolver> GaussLegendre<'s
             report.differentials += self.stages.len() as u32;
             self.history.push(report.residual);
             let step = self.blended_steps();
+            let step = step.map_err(|why| self.failed(NewtonFailure::Unsolvable(why)))?;
             if !(step.is_finite() && report.residual.is_finite()) {
                 return Err(self.failed(NewtonFailure::NonFinite(self.first_non_finite())));
             }

@@ -133,7 +133,7 @@ impl<M: Metric, P: Potential, C: Storage, L: HessianSolver> Equation
         self.report.hessians += 1;
         self.report.rung = self.report.rung.max(rung);
         self.solver.solve(f);
-        Ok(())
+        self.solver.unsolved().map_or(Ok(()), Err)
     }
 
     #[inline]

@@ -73,6 +73,10 @@ pub fn merge<'a>(
     out: &Path,
 ) -> Result<Vec<Outcome<'a>>, MergeError> {
     let shares = gather::<Stored>(folders)?;
+    if let Some((path, _)) = shares.iter().find(|(_, share)| !share.is_sound()) {
+        let reason = "its studies are not those of its share".to_owned();
+        return Err(MergeError::NoShare { path: path.clone(), reason });
+    }
     let (size, ids) = (shares[0].1.size, shares[0].1.ids.clone());
     let machine = joined(shares.iter().map(|(_, share)| &share.machine));
     let mut stored: Vec<StoredOutcome> =
@@ -244,6 +248,11 @@ mod tests {
         assert!(different.contains("another number of shares than in"), "{different}");
         let none = refused(&[root.join("nowhere")]);
         assert!(none.starts_with("cannot read "), "{none}");
+        let [one, two] = [0, 1].map(|k| fs::read_to_string(folders[k].join(FILE)).unwrap());
+        let outcomes = &one[one.find("[[outcomes]]").unwrap()..];
+        fs::write(folders[1].join(FILE), format!("{two}\n{outcomes}")).unwrap();
+        let foreign = refused(&folders);
+        assert!(foreign.contains("its studies are not those of its share"), "{foreign}");
         fs::write(folders[1].join(FILE), "a = ").unwrap();
         let broken = refused(&folders);
         assert!(broken.contains("no share of this kind"), "{broken}");

@@ -124,6 +124,15 @@ pub fn shard<'a>(plan: &Plan<'a>, shard: Shard) -> Result<Vec<Outcome<'a>>, Repo
     Ok(outcomes)
 }
 
+impl Stored {
+    /// Whether its studies are those of the share: the file is not trusted.
+    pub(super) fn is_sound(&self) -> bool {
+        let Shard { share, of } = self.shard;
+        let own = self.outcomes.iter().map(|outcome| &outcome.id);
+        (1..=of).contains(&share) && own.eq(self.ids.iter().skip(share - 1).step_by(of))
+    }
+}
+
 impl StoredOutcome {
     fn of(outcome: &Outcome<'_>) -> Self {
         let result = outcome.result.as_ref().map(StoredStudy::of);

@@ -42,6 +42,8 @@ pub(super) trait Asked {
     fn factor(&mut self, sigma: f64, q: &[f64]) -> Result<Rung, Unsolvable>;
     /// Replaces r by x, with the matrix factored last.
     fn solve(&mut self, r: &mut [f64]);
+    /// Why the last solve left NaN, where the solver can tell.
+    fn unsolved(&self) -> Option<Unsolvable>;
 }
 
 impl<M: Metric, P: Potential, L: HessianSolver> Asked for Landscape<'_, M, P, L> {
@@ -88,5 +90,9 @@ impl<M: Metric, P: Potential, L: HessianSolver> Asked for Landscape<'_, M, P, L>
 
     fn solve(&mut self, r: &mut [f64]) {
         self.solver.solve(r);
+    }
+
+    fn unsolved(&self) -> Option<Unsolvable> {
+        self.solver.unsolved()
     }
 }

@@ -111,10 +111,13 @@ impl SparseError {
         match self {
             SparseError::PatternChanged { block } => Unsolvable::PatternChanged { block },
             SparseError::NonFinite => Unsolvable::NonFinite,
-            SparseError::Untrusted { relative_residual }
-            | SparseError::NotConverged { relative_residual, .. } => {
+            SparseError::Untrusted { relative_residual } => {
                 Unsolvable::Untrusted { relative_residual }
             }
+            SparseError::NotConverged { iterations, relative_residual } => {
+                Unsolvable::NotConverged { iterations, relative_residual }
+            }
+            SparseError::NegativeCurvature { iterations } => Unsolvable::NotPositive { iterations },
             SparseError::Size(error) => Unsolvable::Size(error),
             _ => Unsolvable::Singular,
         }

@@ -112,6 +112,10 @@ impl HessianSolver for IterativeSolver {
         }
         self.last = Some(end);
     }
+
+    fn unsolved(&self) -> Option<Unsolvable> {
+        self.last?.err().map(SparseError::unsolvable)
+    }
 }
 
 #[cfg(test)]
@@ -172,6 +176,7 @@ mod tests {
         assert!(x.iter().all(|x| x.is_nan()));
         let end = iterative.last().unwrap();
         assert!(matches!(end, Err(SparseError::NegativeCurvature { .. })), "{end:?}");
+        assert!(matches!(iterative.unsolved(), Some(Unsolvable::NotPositive { .. })));
         springs.0[47] = -40.0;
         let refused = iterative.factor(&metric, &springs, &[], 1.0);
         assert_eq!(refused, Err(Unsolvable::Singular));

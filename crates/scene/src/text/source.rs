@@ -7,6 +7,7 @@ use std::{fs, io};
 
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue, Deserializer};
+use toml::value::Datetime;
 
 use crate::text::diagnostic::{Checked, Diagnostic, Located, Place};
 use crate::text::fault::Fault;
@@ -44,7 +45,9 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
 /// What the text declares, with these values for its parameters, or where it does not.
 pub(crate) fn parse<T: DeserializeOwned>(text: &str, given: &Parameters) -> Checked<T> {
     let failed = |error: toml::de::Error| {
-        Box::new(Located { span: error.span(), fault: fault_of(error.message()) })
+        let value = error.span().and_then(|span| text.get(span)).unwrap_or_default();
+        let fault = date_fault(value).unwrap_or_else(|| fault_of(error.message()));
+        Box::new(Located { span: error.span(), fault })
     };
     if given.is_empty() && !has_expressions(text) {
         return toml::from_str(text).map_err(failed);
@@ -66,6 +69,16 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str, given: &Parameters) -> Chec
 pub(crate) fn diagnose(name: &str, text: &str, located: Located) -> SceneError {
     let place = located.span.map(|span| Place::of(text, span));
     SceneError::Invalid(Box::new(Diagnostic { file: name.to_owned(), fault: located.fault, place }))
+}
+
+/// The fault of a date: the parser hands it over as a table with a private key, and says so.
+fn date_fault(value: &str) -> Option<Fault> {
+    value.parse::<Datetime>().ok()?;
+    let message = format!(
+        "`{value}` is a date or a time, and a scene has none; a number has no dashes or colons, a text stands in \
+         quotes"
+    );
+    Some(Fault::Syntax { message })
 }
 
 /// Characters of the parser's message that are shown: it may quote the whole file.

@@ -222,6 +222,32 @@ fn no_wrong_value_is_answered_in_the_words_of_the_parser() {
 }
 
 #[test]
+fn a_date_is_told_as_a_date() {
+    let text = |step: &str, gravity: &str, horizon: &str| {
+        format!(
+            "dimension = 2\nintegrator = \"stormer-verlet\"\nstep = {step}\nhorizon = {horizon}\n\
+             uniform_gravity = {gravity}\nparticles = [{{ name = \"a\", mass = 1, position = [0, 0] }}]\n"
+        )
+    };
+    let gravity = "{ acceleration = [0, -1] }";
+    for horizon in ["1", "\"= 1\""] {
+        for date in ["1979-05-27", "07:32:00", "1979-05-27T07:32:00Z", "1979-05-27 07:32:00.5"] {
+            let check = |text: &str, place: &str| {
+                let said = Scene::parse("a.toml", text).unwrap_err().to_string();
+                assert!(
+                    said.starts_with(&format!("error: `{date}` is a date or a time")),
+                    "{said}"
+                );
+                assert!(said.contains(&format!("\n --> a.toml:{place}\n")), "{said}");
+            };
+            check(&text(date, gravity, horizon), "3:8");
+            check(&text("0.1", date, horizon), "5:19");
+            check(&text("0.1", &format!("{{ acceleration = {date} }}"), horizon), "5:36");
+        }
+    }
+}
+
+#[test]
 fn no_missing_and_no_superfluous_key_is_answered_in_the_words_of_the_parser() {
     for (file, text) in texts() {
         let whole: Value = toml::from_str::<toml::Table>(&text).map(Value::Table).unwrap();

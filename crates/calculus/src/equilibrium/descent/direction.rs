@@ -55,7 +55,10 @@ impl Descent<'_> {
             Err(error) => return Err(NewtonFailure::Unsolvable(error)),
         };
         match first_non_finite(&self.step) {
-            Some(unknown) => Err(NewtonFailure::NonFinite(unknown)),
+            Some(unknown) => Err(self
+                .asked
+                .unsolved()
+                .map_or(NewtonFailure::NonFinite(unknown), NewtonFailure::Unsolvable)),
             None => Ok((kind, rung)),
         }
     }
