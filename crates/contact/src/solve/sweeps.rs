@@ -144,8 +144,8 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         self.push(island, x);
     }
 
-    /// Takes impulses back into their cones, for changes leave their rounding in them, which is large for those that have
-    /// become small; says how far the conditions are from being met then, m/s.
+    /// Takes impulses back into their cones, for changes leave their rounding in them, which is large for those that
+    /// have become small; says how far the conditions are from being met then, m/s.
     pub(crate) fn conclude(&mut self, island: Island<F, D>, x: &mut [[f64; D]]) -> [f64; 2] {
         for (x, contact) in x.iter_mut().zip(island.contacts) {
             *x = into_cone(*x, contact.friction);

@@ -28,8 +28,8 @@ const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
 /// more for a pile that falls, a thousandth of what engines with a few sweeps leave is met all the same.
 const MOVING_TOLERANCE: f64 = 0.25;
 const FASTEST_TOLERANCE: f64 = 3e-4;
-/// What lifting may leave in a moving island of a pile, relative to what its velocities may: if less, it would take back
-/// in each step what they left, at a third of what a step costs, and what overlaps would lie no less deep.
+/// What lifting may leave in a moving island of a pile, relative to what its velocities may: if less, it would take
+/// back in each step what they left, at a quarter of what a step costs, and overlaps would be no smaller.
 const LIFTED_TOLERANCE: f64 = 1.5;
 /// Islands of more contacts are large, and what has more is a pile.
 pub(super) const LARGE: usize = 100;
