@@ -66,8 +66,7 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         let work = |relaxed: usize, solved: usize| relaxed.div_ceil(n) + SYSTEM_COST * solved;
         let mut last = f64::INFINITY;
         self.number_bodies(island);
-        self.around.clear();
-        self.around.extend(0..n);
+        self.take_all();
         // Systems of a part count as if they were of the whole island: there is a bound all the same.
         while work(relaxed, solved) < bound {
             let change = sweeps.sweep_of(&self.around, island, x);
@@ -77,8 +76,7 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
             }
             // Nothing around the parts is unsettled, but something is not met: small changes have added up.
             if self.around.len() < n && change.fastest <= settled {
-                self.around.clear();
-                self.around.extend(0..n);
+                self.take_all();
                 last = f64::INFINITY;
                 continue;
             }
@@ -127,6 +125,12 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         changed.resize(still, false);
         near.clear();
         near.resize(ends.len().div_ceil(BITS), 0);
+    }
+
+    /// All contacts are swept over.
+    fn take_all(&mut self) {
+        self.around.clear();
+        self.around.extend(0..self.ends.len());
     }
 
     /// Finds all contacts of bodies of those that the last sweep has changed by more than what counts as settled.

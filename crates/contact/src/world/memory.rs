@@ -50,6 +50,8 @@ pub(crate) struct Memory<G: Dimension> {
     pub(super) states: Vec<BodyState<G>>,
     /// Velocities of bodies in world axes: after the step, and the mean with those before.
     pub(super) after: Vec<(G::Vector, G::Spin)>,
+    /// Those after the step with what lifts bodies out of overlap.
+    pub(super) lifted: Vec<(G::Vector, G::Spin)>,
     pub(super) mean: Vec<(G::Vector, G::Spin)>,
     pub(super) bias: Vec<f64>,
     pub(super) lift_bias: Vec<f64>,
@@ -97,6 +99,7 @@ impl<G: Dimension> Memory<G> {
             scales,
             states: Vec::new(),
             after: Vec::new(),
+            lifted: Vec::new(),
             mean: Vec::new(),
             bias: Vec::new(),
             lift_bias: Vec::new(),

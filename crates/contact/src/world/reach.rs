@@ -5,9 +5,9 @@
 //! |h v_a| > r_a + h e/2:   r_a <- 3/2 |h v_a|
 //! max (-n.(v_2 - v_1) - max(g, 0)/h)                              over what comes within reach
 //! ```
-//! `v_a` the speed of the fastest point of body `a` (m/s), before the step above and after it below, `dv_a` the
-//! velocity increment, `R_a` its radius (m), `e` what is left of the conditions of what was looked at (m/s). A body
-//! that an impulse makes faster than was foreseen may close gaps that nobody looked at: by how much at most is a part
+//! `v_a` the speed of the fastest point of body `a` (m/s), before the step above and after it, with what lifts it out of
+//! overlap, below; `dv_a` the velocity increment, `R_a` its radius (m), `e` what is left of the conditions of what was looked at (m/s). A body
+//! that an impulse or a lift makes faster than was foreseen may close gaps that nobody looked at: by how much at most is a part
 //! of the residual, or the step is solved again.
 
 use stationary_calculus::Potential;
@@ -47,14 +47,18 @@ impl<G: Dimension, P: Potential> World<G, P> {
     /// were: of what is faster than was foreseen, whose reach is widened.
     pub(super) fn unseen(&mut self, q: &[f64], h: f64, left: f64) -> Result<f64, ContactError> {
         let World { detector, kept, memory, .. } = self;
-        let Memory { v, reach, states, after, passing, unseen, widened, joints, .. } = memory;
+        let Memory {
+            v, lift, reach, states, after, lifted, passing, unseen, widened, joints, ..
+        } = memory;
         widened.clear();
         // Where nothing pushes nothing is faster than was foreseen, and no velocity of a point is known.
         if kept.found().is_empty() && joints.rows() == 0 {
             return Ok(0.0);
         }
-        for (body, (v, reach)) in v.0.chunks_exact(G::FREEDOMS).zip(reach.iter_mut()).enumerate() {
-            let way = h * speed::<G>(v, detector.reach_of(body));
+        let moved = v.0.chunks_exact(G::FREEDOMS).zip(lift.0.chunks_exact(G::FREEDOMS));
+        for (body, ((v, lift), reach)) in moved.zip(reach.iter_mut()).enumerate() {
+            let far = detector.reach_of(body);
+            let way = h * (speed::<G>(v, far) + speed::<G>(lift, far));
             // Two that go no farther than this beyond their reach close no faster than what is left.
             let farther = way > *reach + 0.5 * left * h;
             if farther {
@@ -69,6 +73,14 @@ impl<G: Dimension, P: Potential> World<G, P> {
         kept.put_back(std::mem::take(unseen));
         let detected = kept.detect_of(detector, states, q, reach, |body| widened[body]);
         *unseen = kept.take_found();
+        let of_lift = lift.0.chunks_exact(G::FREEDOMS).zip(states.iter());
+        lifted.clear();
+        lifted.extend(of_lift.zip(after.iter()).map(|((lift, state), &(x, w))| {
+            let mut own = G::Velocity::default();
+            own.as_mut().copy_from_slice(lift);
+            let (up, turn) = G::split(&state.frame, &own);
+            (x + up, w + turn)
+        }));
         let looked_at = |contact: &ContactIn<G>| {
             let moves = |&body: &usize| states[body].moves();
             seen.binary_search_by_key(&contact.id, |seen| seen.id).is_ok()
@@ -76,7 +88,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                 || !contact.bodies.iter().flatten().any(moves)
         };
         let closes = |contact: &ContactIn<G>| {
-            let [a, b] = [0, 1].map(|side| point_velocity(contact, side, states, after));
+            let [a, b] = [0, 1].map(|side| point_velocity(contact, side, states, lifted));
             -G::dot(&(b - a), &contact.normal) - contact.gap.max(0.0) / h
         };
         let fresh = unseen.iter().filter(|contact| !looked_at(contact));
