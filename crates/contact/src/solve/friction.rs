@@ -31,12 +31,12 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
 
     #[inline]
     fn stagger(&self, mut rates: [f64; D], x: &[f64; D]) -> [f64; D] {
-        let Compliance { normal_mass, coupling, .. } = self.compliance;
+        let Compliance { normal, normal_mass, .. } = self.compliance;
         let push = (x[0] - rates[0] * normal_mass).max(0.0) - x[0];
         let radius = self.friction * (x[0] + push);
         let mut change: [f64; D] = array(|k| -x[k]);
         if radius > 0.0 {
-            (1..D).for_each(|k| rates[k] += coupling[k] * push);
+            (1..D).for_each(|k| rates[k] += normal[k] * push);
             let rubbed = self.rub(x, rates, radius);
             change = array(|k| rubbed[k] - x[k]);
         }
@@ -50,9 +50,11 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         let Compliance { tangent_mass, across_mass, .. } = self.compliance;
         let mut stuck = *x;
         for k in 1..D {
-            (1..D).for_each(|l| stuck[k] -= tangent_mass[k][l] * rates[l]);
+            // Of two tangents, the other one.
+            let other = if D > 2 { tangent_mass[0] * rates[D - k] } else { 0.0 };
+            stuck[k] -= tangent_mass[k] * rates[k] + other;
         }
-        if tangent_mass[1][1] > 0.0 && square_across(&stuck) <= radius * radius {
+        if tangent_mass[1] > 0.0 && square_across(&stuck) <= radius * radius {
             return stuck;
         }
         disc(array(|k| x[k] - rates[k] * across_mass), radius)
@@ -62,14 +64,14 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
     #[inline]
     pub(crate) fn energy(&self, x: &[f64; D]) -> f64 {
         let Compliance { normal, across, .. } = self.compliance;
-        normal * x[0] * x[0] + across * square_across(x)
+        normal[0] * x[0] * x[0] + across * square_across(x)
     }
 
     /// A change of impulses as a velocity, m/s.
     #[inline]
     pub(crate) fn speed(&self, x: &[f64; D]) -> f64 {
         let Compliance { normal, across, .. } = self.compliance;
-        (1..D).fold(normal * x[0].abs(), |most, k| most.max(across * x[k].abs()))
+        (1..D).fold(normal[0] * x[0].abs(), |most, k| larger(most, across * x[k].abs()))
     }
 
     /// How far the normal conditions and Coulomb's law are from being met, m/s.
@@ -79,8 +81,14 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         let Compliance { normal, across, across_mass, .. } = self.compliance;
         let wanted: [f64; D] = disc(array(|k| x[k] - rates[k] * across_mass), self.friction * x[0]);
         let off = square_across(&array::<_, D>(|k| x[k] - wanted[k]));
-        [(normal * x[0]).min(rates[0]).abs(), off.sqrt() * across]
+        [(normal[0] * x[0]).min(rates[0]).abs(), off.sqrt() * across]
     }
+}
+
+/// The larger of two numbers, in one instruction where both are some.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// The square of what is across the normal.
@@ -142,7 +150,8 @@ mod tests {
         let scale = Spatial::scales(&BodyMetric::new(vec![body]))[0];
         let states = [BodyState::<Spatial>::new(0, scale, &q, &velocity)];
         let directions = Spatial::directions(&point.normal);
-        let contact = RigidContact::new(&point, &directions, 0.0, &states);
+        let mut contact = RigidContact::NONE;
+        contact.set(&point, &directions, 0.0, &states);
         let (mut x, mut w) = ([0.0; 3], [[0.0; 6]; 2]);
         contact.relax(&mut x, &mut w);
         let after = [0, 1, 2].map(|k| v[k] + scale[k] * w[0][k]);

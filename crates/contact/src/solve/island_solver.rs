@@ -63,7 +63,9 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
 /// The contacts of the islands of a step, packed, and the impulses of one.
 #[derive(Debug)]
 pub struct IslandSolver<V, const F: usize, const D: usize> {
+    /// Room for contacts, so many of them packed.
     contacts: Vec<RigidContact<F, D>>,
+    packed: usize,
     /// Where those of each island that was solved begin, by the number of its first, in ascending order.
     begin: Vec<(usize, usize)>,
     /// Where those of the island in question begin.
@@ -81,6 +83,7 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
     fn default() -> Self {
         IslandSolver {
             contacts: Vec::new(),
+            packed: 0,
             begin: Vec::new(),
             from: 0,
             directions: Vec::new(),
@@ -147,6 +150,8 @@ const VISITS_PAST_ENOUGH: usize = 100_000;
 /// Where the heaviest body of an island is so many times heavier than the lightest, a velocity that is rounding
 /// to the lightest is energy to the heaviest: such islands are refined.
 const MASS_RATIO: f64 = 100.0;
+/// An island of a pile whose impulses, as far as they are settled, give energy is settled to this part of that.
+const FINER: f64 = 0.25;
 /// The most work that pushes apart what overlaps, in sweeps: the next step goes on.
 const LIFTS: usize = 20;
 /// What hardly moves and is off by no more than so many times what may be left will soon rest, if
@@ -159,7 +164,7 @@ macro_rules! solves_islands {
         impl SolvesIslands<$dimension> for IslandSolver<$vector, $freedoms, $directions> {
             fn start(&mut self, bodies: usize) {
                 self.sweeps.start(bodies);
-                self.contacts.clear();
+                self.packed = 0;
                 self.begin.clear();
             }
 
@@ -222,21 +227,25 @@ where
             self.x.push(into_cone(guess, free.points[i].friction));
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
-        let island = Island { contacts: &self.contacts[self.from..], bodies };
+        let island = Island { contacts: &self.contacts[self.from..self.packed], bodies };
         sweeps.push(island, x);
-        let mut left = sweeps.residuals(island, x);
         let settled = within.settled;
-        let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
-        let large = within.of_pile || members.len() > POLISHED;
-        let within = Within { fine: within.fine.filter(|_| near || large), ..within };
-        let met = |left: &[f64; 2]| left.iter().all(|left| *left <= within.fine.unwrap_or(settled));
         let rubs = |(contact, x): (&RigidContact<F, D>, &[f64; D])| {
             let mut across = *x;
             across[0] = 0.0;
             contact.speed(&across)
         };
-        let mut rubs = self.contacts[self.from..].iter().zip(x.iter()).map(rubs);
-        let smooth = left[1] <= settled && rubs.all(|speed| speed <= settled);
+        let smooth = island.contacts.iter().zip(x.iter()).map(rubs).all(|speed| speed <= settled);
+        // What rubs in a moving pile is swept in any case.
+        let mut left = match within.of_pile && within.fine.is_none() && !smooth {
+            true => [f64::INFINITY; 2],
+            false => sweeps.residuals(island, x),
+        };
+        let near = left.iter().all(|left| *left <= NEARLY_SETTLED * settled);
+        let large = within.of_pile || members.len() > POLISHED;
+        let within = Within { fine: within.fine.filter(|_| near || large), ..within };
+        let met = |left: &[f64; 2]| left.iter().all(|left| *left <= within.fine.unwrap_or(settled));
+        let smooth = smooth && left[1] <= settled;
         let room = &mut self.exact;
         if !met(&left) && smooth && free.project(members, island, x, sweeps, room)? {
             report.projected += 1;
@@ -251,7 +260,7 @@ where
             report.solved += solved;
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
-        let island = Island { contacts: &self.contacts[self.from..], bodies };
+        let island = Island { contacts: &self.contacts[self.from..self.packed], bodies };
         if members.len() <= POLISHED && unequal::<G>(bodies, states) {
             report.solved += self.polish.refine(sweeps, island, x);
         }
@@ -260,7 +269,17 @@ where
             report.solved += self.polish.polish(sweeps, island, x, (SMALL, within.reached));
             left = sweeps.conclude(island, x);
         }
-        if sweeps.bound_energy(island, x, free.bias, members) {
+        let mut gives = sweeps.part_without_energy(island, x, free.bias, members);
+        if gives.is_some() && within.of_pile {
+            let goal = Goal::in_pile(FINER * settled, FINER * within.reached);
+            let more = self.parts.settle(sweeps, island, x, goal, SWEEPS);
+            (report.relaxed, report.solved) = (report.relaxed + more[0], report.solved + more[1]);
+            left = sweeps.conclude(island, x);
+            gives = sweeps.part_without_energy(island, x, free.bias, members);
+        }
+        // Rounding of very different masses may have misled them.
+        if let Some(part) = gives {
+            sweeps.shorten(island, x, part);
             left = sweeps.residuals(island, x);
         }
         let pushed = island.contacts.iter().zip(x.iter()).map(|(contact, x)| contact.speed(x));
@@ -330,8 +349,8 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     /// Settles an island of a pile as far as asked, and what nearly rests a little finer in every step, until it
     /// rests; says how many contacts were relaxed, and how many systems solved.
     fn settle_of_pile(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, from, x, sweeps, parts, .. } = self;
-        let island = Island { contacts: &contacts[*from..], bodies };
+        let IslandSolver { contacts, packed, from, x, sweeps, parts, .. } = self;
+        let island = Island { contacts: &contacts[*from..*packed], bodies };
         let Within { settled, reached, fine, .. } = within;
         let held = fine.map_or(0, |change| sweeps.hold(island, x, change));
         let goal = match fine {
@@ -350,8 +369,8 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     /// Settles an island whose work need not be shared: to rounding where it is small, and by all means where
     /// what is left is more than asked.
     fn settle_alone(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, from, x, sweeps, parts, polish, .. } = self;
-        let island = Island { contacts: &contacts[*from..], bodies };
+        let IslandSolver { contacts, packed, from, x, sweeps, parts, polish, .. } = self;
+        let island = Island { contacts: &contacts[*from..*packed], bodies };
         let n = island.contacts.len();
         let Within { settled, enough, still, reached, fine, .. } = within;
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= fine.unwrap_or(settled));
@@ -407,20 +426,24 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     where
         G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
     {
-        self.from = self.contacts.len();
+        (self.from, self.packed) = (self.packed, self.packed + members.len());
         self.directions.clear();
         for &i in members {
-            let point = &points[i];
-            let directions = match self.directions.last() {
-                Some(&last) if last[0] == point.normal => last,
-                _ => G::directions(&point.normal),
-            };
-            let contact = RigidContact::new(point, &directions, bias[i], states);
+            let normal = &points[i].normal;
+            self.directions.push(match self.directions.last() {
+                Some(&last) if last[0] == *normal => last,
+                _ => G::directions(normal),
+            });
+        }
+        if self.contacts.len() < self.packed {
+            self.contacts.resize(self.packed, RigidContact::NONE);
+        }
+        let contacts = &mut self.contacts[self.from..self.packed];
+        for ((contact, &i), directions) in contacts.iter_mut().zip(members).zip(&self.directions) {
+            contact.set(&points[i], directions, bias[i], states);
             if !contact.moves() {
                 return Err(ContactError::Immovable { contact: i });
             }
-            self.contacts.push(contact);
-            self.directions.push(directions);
         }
         Ok(())
     }

@@ -14,6 +14,7 @@
 use crate::solve::body_state::BodyState;
 use crate::{ContactIn, Dimension};
 use stationary_calculus::array;
+use wide::f64x2;
 
 /// A contact, packed: F freedoms of a body, D directions, the normal first.
 #[derive(Clone, Copy, Debug)]
@@ -32,16 +33,15 @@ pub(crate) struct RigidContact<const F: usize, const D: usize> {
 /// The symmetric matrix `W` of a contact, and what is divided by it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Compliance<const D: usize> {
-    pub(crate) normal: f64,
-    /// Of the normal with each tangent, in its place.
-    pub(crate) coupling: [f64; D],
+    /// Of the normal with itself, and with each tangent in its place.
+    pub(crate) normal: [f64; D],
     /// The largest eigenvalue of `W_tt`.
     pub(crate) across: f64,
     /// One over the compliance along the normal.
     pub(crate) normal_mass: f64,
-    /// The inverse of `W_tt`, in the places of the tangents; zeros where one direction does not
-    /// give way.
-    pub(crate) tangent_mass: [[f64; D]; D],
+    /// The inverse of `W_tt`: its diagonal in the places of the tangents, what is beside it in that of the normal;
+    /// zeros where one direction does not give way.
+    pub(crate) tangent_mass: [f64; D],
     /// One over `across`.
     pub(crate) across_mass: f64,
 }
@@ -51,11 +51,10 @@ const SINGULAR: f64 = 1e-12;
 
 impl<const D: usize> Compliance<D> {
     const NONE: Self = Compliance {
-        normal: 0.0,
-        coupling: [0.0; D],
+        normal: [0.0; D],
         across: 0.0,
         normal_mass: 0.0,
-        tangent_mass: [[0.0; D]; D],
+        tangent_mass: [0.0; D],
         across_mass: 0.0,
     };
 
@@ -63,10 +62,8 @@ impl<const D: usize> Compliance<D> {
     fn of<const F: usize>(rows: &[[[f64; F]; D]; 2]) -> Self {
         let product =
             |k: usize, l: usize| -> f64 { rows.iter().map(|rows| dot(&rows[k], &rows[l])).sum() };
-        let normal = product(0, 0);
-        let mut coupling = [0.0; D];
-        (1..D).for_each(|k| coupling[k] = product(0, k));
-        let mut tangent_mass = [[0.0; D]; D];
+        let normal: [f64; D] = array(|k| product(0, k));
+        let mut tangent_mass = [0.0; D];
         let xx = product(1, 1);
         let mut across = xx;
         if D > 2 {
@@ -75,55 +72,60 @@ impl<const D: usize> Compliance<D> {
             across = 0.5 * (xx + yy) + (half * half + xy * xy).sqrt();
             let determinant = xx * yy - xy * xy;
             if determinant > SINGULAR * across * across {
-                tangent_mass[1][1] = yy / determinant;
-                tangent_mass[D - 1][D - 1] = xx / determinant;
-                tangent_mass[1][D - 1] = -xy / determinant;
-                tangent_mass[D - 1][1] = -xy / determinant;
+                tangent_mass[1] = yy / determinant;
+                tangent_mass[D - 1] = xx / determinant;
+                tangent_mass[0] = -xy / determinant;
             }
         } else if xx > 0.0 {
-            tangent_mass[1][1] = xx.recip();
+            tangent_mass[1] = xx.recip();
         }
-        let (normal_mass, across_mass) = (normal.recip(), across.recip());
-        Compliance { normal, coupling, across, normal_mass, tangent_mass, across_mass }
+        let (normal_mass, across_mass) = (normal[0].recip(), across.recip());
+        Compliance { normal, across, normal_mass, tangent_mass, across_mass }
     }
 }
 
 impl<const F: usize, const D: usize> RigidContact<F, D> {
-    /// The contact at a point with these directions, between bodies in these states.
+    /// Between two that nothing moves.
+    pub(crate) const NONE: Self = RigidContact {
+        bodies: [0; 2],
+        friction: 0.0,
+        offset: [0.0; D],
+        compliance: Compliance::NONE,
+        rows: [[[0.0; F]; D]; 2],
+    };
+
+    /// Becomes the contact at a point with these directions, between bodies in these states.
     #[inline]
-    pub(crate) fn new<G>(
+    pub(crate) fn set<G>(
+        &mut self,
         point: &ContactIn<G>,
         directions: &[G::Vector; D],
         bias: f64,
         states: &[BodyState<G>],
-    ) -> Self
-    where
+    ) where
         G: Dimension<Velocity = [f64; F]>,
     {
-        let mut contact = RigidContact {
-            bodies: [states.len(); 2],
-            friction: point.friction,
-            offset: [0.0; D],
-            compliance: Compliance::NONE,
-            rows: [[[0.0; F]; D]; 2],
-        };
-        contact.offset[0] = bias;
+        self.bodies = [states.len(); 2];
+        self.friction = point.friction;
+        self.offset = [0.0; D];
+        self.offset[0] = bias;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
-            if let Some(body) = point.bodies[side] {
-                let state = &states[body];
-                let arm = G::rotate(&state.frame, &point.arms[side]);
-                for (k, direction) in directions.iter().enumerate() {
-                    let row = G::row(&state.frame, &arm, &(*direction * sign));
-                    contact.offset[k] += dot(&row, &state.velocity);
-                    contact.rows[side][k] = array(|f| row[f] * state.scale[f]);
-                }
-                if state.moves() {
-                    contact.bodies[side] = body;
-                }
+            let Some(body) = point.bodies[side] else {
+                self.rows[side] = [[0.0; F]; D];
+                continue;
+            };
+            let state = &states[body];
+            let arm = G::rotate(&state.frame, &point.arms[side]);
+            for (k, direction) in directions.iter().enumerate() {
+                let row = G::row(&state.frame, &arm, &(*direction * sign));
+                self.offset[k] += dot(&row, &state.velocity);
+                self.rows[side][k] = array(|f| row[f] * state.scale[f]);
+            }
+            if state.moves() {
+                self.bodies[side] = body;
             }
         }
-        contact.compliance = Compliance::of(&contact.rows);
-        contact
+        self.compliance = Compliance::of(&self.rows);
     }
 
     /// Whether any impulse along its normal moves a body.
@@ -141,7 +143,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
 
     #[inline]
     fn rate(&self, k: usize, a: &[f64; F], b: &[f64; F]) -> f64 {
-        self.offset[k] + (dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+        self.offset[k] + dot_two([&self.rows[0][k], &self.rows[1][k]], [a, b])
     }
 
     /// The rows of one of its bodies.
@@ -168,7 +170,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
     /// How much the rates change with these changes of the bodies' velocities.
     #[inline]
     pub(crate) fn pull(&self, a: &[f64; F], b: &[f64; F]) -> [f64; D] {
-        array(|k| dot(&self.rows[0][k], a) + dot(&self.rows[1][k], b))
+        array(|k| dot_two([&self.rows[0][k], &self.rows[1][k]], [a, b]))
     }
 
     /// Gives the bodies impulses.
@@ -192,7 +194,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         let mut rates = [0.0; D];
         rates[0] = self.rate(0, &first, &second);
         // What neither pushes nor closes needs no other rate: a good third of all visits.
-        if *x == [0.0; D] && rates[0] >= 0.0 {
+        if x.iter().fold(0, |bits, x| bits | x.to_bits()) == 0 && rates[0] >= 0.0 {
             return [0.0; D];
         }
         (1..D).for_each(|k| rates[k] = self.rate(k, &first, &second));
@@ -213,11 +215,39 @@ pub(crate) fn dot<const F: usize>(a: &[f64; F], b: &[f64; F]) -> f64 {
     even + odd
 }
 
+/// Two neighbours in a list.
+#[inline]
+fn pair<const F: usize>(of: &[f64; F], f: usize) -> f64x2 {
+    f64x2::new([of[f], of[f + 1]])
+}
+
+/// The sum of two sums of products, in two chains.
+#[inline]
+fn dot_two<const F: usize>(a: [&[f64; F]; 2], b: [&[f64; F]; 2]) -> f64 {
+    let (mut first, mut second) = (pair(a[0], 0) * pair(b[0], 0), pair(a[1], 0) * pair(b[1], 0));
+    for f in (2..F - 1).step_by(2) {
+        first += pair(a[0], f) * pair(b[0], f);
+        second += pair(a[1], f) * pair(b[1], f);
+    }
+    let sum = (first + second).to_array();
+    let mut sum = sum[0] + sum[1];
+    if F % 2 == 1 {
+        sum += a[0][F - 1] * b[0][F - 1] + a[1][F - 1] * b[1][F - 1];
+    }
+    sum
+}
+
 #[inline]
 fn add<const F: usize, const D: usize>(rows: &[[f64; F]; D], impulse: &[f64; D], w: &mut [f64; F]) {
-    for (f, w) in w.iter_mut().enumerate() {
+    for f in (0..F - 1).step_by(2) {
+        let mut sum = pair(&rows[0], f) * impulse[0];
+        (1..D).for_each(|k| sum += pair(&rows[k], f) * impulse[k]);
+        [w[f], w[f + 1]] = (pair(w, f) + sum).to_array();
+    }
+    if F % 2 == 1 {
+        let f = F - 1;
         let mut sum = rows[0][f] * impulse[0];
         (1..D).for_each(|k| sum += rows[k][f] * impulse[k]);
-        *w += sum;
+        w[f] += sum;
     }
 }

@@ -147,10 +147,11 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
     /// Takes impulses back into their cones, for changes leave their rounding in them, which is large for those that
     /// have become small; says how far the conditions are from being met then, m/s.
     pub(crate) fn conclude(&mut self, island: Island<F, D>, x: &mut [[f64; D]]) -> [f64; 2] {
+        island.bodies.iter().for_each(|&body| self.w[body] = [0.0; F]);
         for (x, contact) in x.iter_mut().zip(island.contacts) {
             *x = into_cone(*x, contact.friction);
+            contact.push(x, &mut self.w);
         }
-        self.refresh(island, x);
         self.residuals(island, x)
     }
 
@@ -161,29 +162,43 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         island.contacts.iter().zip(x).map(one).fold([0.0; 2], worst)
     }
 
-    /// Shortens impulses that would give energy, as where rounding of very different masses has
-    /// misled them: `x.u + 1/2 |w|^2 <= 0` with `u` the rates before. Says whether it did.
-    pub(crate) fn bound_energy(
-        &mut self,
+    /// To which part impulses have to be shortened so that they give no energy, `x.u + 1/2 |w|^2 <= 0` with `u` the
+    /// rates before; none where they give none.
+    pub(crate) fn part_without_energy(
+        &self,
         island: Island<F, D>,
-        x: &mut [[f64; D]],
+        x: &[[f64; D]],
         bias: &[f64],
         members: &[usize],
-    ) -> bool {
+    ) -> Option<f64> {
         let mut work = 0.0;
-        for ((contact, x), &i) in island.contacts.iter().zip(x.iter()).zip(members) {
+        for ((contact, x), &i) in island.contacts.iter().zip(x).zip(members) {
             work += (0..D).map(|k| x[k] * contact.offset[k]).sum::<f64>() - x[0] * bias[i];
         }
         let square = |&body: &usize| self.w[body].iter().map(|w| w * w).sum::<f64>();
         let square: f64 = island.bodies.iter().map(square).sum();
-        if work + 0.5 * square <= ENERGY_ROUNDING * square {
-            return false;
-        }
-        let part = (-work / square).clamp(0.0, 1.0);
+        let gives = work + 0.5 * square > ENERGY_ROUNDING * square;
+        gives.then(|| (-2.0 * work / square).clamp(0.0, 1.0))
+    }
+
+    /// How far the conditions of each contact are from being met, m/s, in the place of what a sweep changed there; says
+    /// the most.
+    pub(crate) fn look_at(&mut self, island: Island<F, D>, x: &[[f64; D]]) -> f64 {
+        let Sweeps { w, changes, .. } = self;
+        let left = |(contact, x): (&RigidContact<F, D>, _)| {
+            let [normal, coulomb] = contact.residuals(x, w);
+            normal.max(coulomb)
+        };
+        changes.clear();
+        changes.extend(island.contacts.iter().zip(x).map(left));
+        changes.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Shortens impulses to a part of them.
+    pub(crate) fn shorten(&mut self, island: Island<F, D>, x: &mut [[f64; D]], part: f64) {
         x.iter_mut().flatten().for_each(|x| *x *= part);
         let w = &mut self.w;
         island.bodies.iter().for_each(|&body| w[body] = array(|f| part * w[body][f]));
-        true
     }
 
     /// Whether a sweep changed no velocity by more than this, and no contact is off by more than that.
@@ -195,7 +210,7 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
         [by, residual]: [f64; 2],
     ) -> bool {
         let met = || self.residuals(island, x).iter().all(|&left| left <= residual);
-        change.fastest <= by && met()
+        change.fastest <= by && (residual == f64::INFINITY || met())
     }
 
     /// Sweeps over an island, and proximal steps where sweeps alone would take long, until it has
@@ -342,7 +357,9 @@ impl Change {
     ) -> f64 {
         let change = contact.relax(x, w);
         let speed = contact.speed(&change);
-        self.fastest = self.fastest.max(speed);
+        if speed > self.fastest {
+            self.fastest = speed;
+        }
         self.energy += contact.energy(&change);
         speed
     }

@@ -8,7 +8,7 @@ use crate::solve::island_solver::{Conditions, IMPULSE_ROUNDING, SolvesIslands, W
 use crate::solve::rolling_rows::Rolling;
 use crate::world::memory::Memory;
 use crate::world::resting::{CHANGE, Guessed};
-use crate::world::tolerances::{LARGE, REST_TOLERANCE, ROUNDING, Settled};
+use crate::world::tolerances::{CHANGE_IN_PILE, LARGE, REST_TOLERANCE, ROUNDING, Settled};
 use crate::{ContactError, ContactIn, Dimension, World, WorldReport};
 
 impl<G: Dimension, P: Potential> World<G, P> {
@@ -118,7 +118,7 @@ impl<G: Dimension, P: Potential> World<G, P> {
                         let moving = limits.moving(bodies.iter().map(speed).fold(0.0, f64::max));
                         (settled, reached) = match slow {
                             true => (enough, limits.reached(enough)),
-                            false => (0.5 * moving, moving),
+                            false => (CHANGE_IN_PILE * moving, moving),
                         };
                     }
                     let large = self.tolerance.is_none() && members.len() > LARGE;
