@@ -239,16 +239,18 @@ mod tests {
             let own = |i: usize| ([i, (i + 1) % n], [2.0 - less, 0.0, 0.0, 0.0]);
             Given(n, (0..n - 1).map(link).chain((0..n).map(own)).collect())
         };
-        for (less, is_definite) in [(0.0, true), (5.8e-3, true), (5.95e-3, false), (2.5, false)] {
+        let cases = [(0.0, true), (5.8e-3, true), (5.95e-3, false), (2.5, false)];
+        let scales = [1.0, 2.0_f64.powi(800), 2.0_f64.powi(-800)];
+        for ((less, is_definite), scale) in cases.into_iter().flat_map(|c| scales.map(|s| (c, s))) {
             let given = chain(less);
             let mut solver = IterativeSolver::new(method, &metric, &given, &zeros).unwrap();
-            let rung = solver.factor_weighted(0.0, &metric, 1.0, &given, &zeros);
+            let rung = solver.factor_weighted(0.0, &metric, scale, &given, &zeros);
             assert_eq!(rung.is_ok(), less < 2.0, "blocks tell the last one");
             let found = solver.negative_curvature().unwrap();
-            assert_eq!(found.is_none(), is_definite, "{less}");
+            assert_eq!(found.is_none(), is_definite, "{less} {scale}");
             if let Some(direction) = found {
                 let mut product = zeros.clone();
-                solver.matrix().add_product(1.0, &direction, &mut product).unwrap();
+                solver.matrix().add_product(scale.recip(), &direction, &mut product).unwrap();
                 assert!(product.iter().zip(&direction).map(|(y, x)| y * x).sum::<f64>() < 0.0);
             }
         }
