@@ -39,8 +39,8 @@ pub struct Equilibrium<'a, M, P, L> {
 /// What kind of place it is where no force acts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stationary {
-    /// The Hessian is positive definite: a strict minimum. Of a solver that iterates it is so on trust.
-    /// After more than a dozen steps it is definite a few roundings of q away as well.
+    /// The Hessian is positive definite: a strict minimum. Of a solver that iterates it is so on trust: see
+    /// [`HessianSolver::negative_curvature`]. After a dozen steps it is definite some roundings of q away too.
     Minimum,
     /// In some direction the energy does not bend, to rounding: a rigid motion of a free body, or a
     /// place where higher derivatives decide.

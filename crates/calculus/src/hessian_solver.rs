@@ -87,6 +87,16 @@ pub trait HessianSolver {
     fn unsolved(&self) -> Option<Unsolvable> {
         None
     }
+
+    /// A direction in which the matrix given last is not positive, of a solver whose rung is no proof that there
+    /// is none: one that iterates. `None` where the matrix is positive definite, or the rung tells.
+    ///
+    /// # Errors
+    /// [`Unsolvable`] where neither can be told: the matrix is singular, or the bound on the iterations is reached.
+    #[inline]
+    fn negative_curvature(&mut self) -> Result<Option<Vec<f64>>, Unsolvable> {
+        Ok(None)
+    }
 }
 
 impl<S: HessianSolver> HessianSolver for &mut S {
@@ -115,6 +125,11 @@ impl<S: HessianSolver> HessianSolver for &mut S {
     #[inline]
     fn unsolved(&self) -> Option<Unsolvable> {
         (**self).unsolved()
+    }
+
+    #[inline]
+    fn negative_curvature(&mut self) -> Result<Option<Vec<f64>>, Unsolvable> {
+        (**self).negative_curvature()
     }
 }
 

@@ -7,7 +7,7 @@
 //! d2V(x) u = f                   how far the load leads; or as far as the supports were moved
 //! ```
 //! `|.|` the largest component. A residual says nothing of this by itself: of a slender beam a small one may be the
-//! whole of its load. Where d is too large x is corrected by it, for as long as it halves.
+//! whole of its load. Where d is too large x is corrected by it, for as long as it halves: to what rounding leaves.
 //!
 //! Of a body so slender that rounding makes its Hessian indefinite there is no factor. There d is found by conjugate
 //! gradients, with products element by element, which keep the digits that the assembled matrix loses; they
@@ -68,6 +68,7 @@ impl<L: HessianSolver, P: Potential> Settle<'_, L, P> {
     pub(crate) fn settle(&mut self, x: &mut [f64], of: &Displacement<'_>) -> Settled {
         let mut known = None;
         let mut left = f64::INFINITY;
+        let mut known_at: Option<Vec<f64>> = None;
         for _ in 0..CORRECTIONS {
             let mut residual = vec![0.0; x.len()];
             self.potential.add_differential(x, Covector(&mut residual[..]));
@@ -96,18 +97,28 @@ impl<L: HessianSolver, P: Potential> Settle<'_, L, P> {
             } else {
                 (NOTICED * moved).max(UNLOADED * farthest)
             };
-            if size <= allowed {
-                return Settled::Known;
-            }
             // So written that NaN ends it.
             let halves = size < 0.5 * left;
-            if !halves {
-                return Settled::Off([size, displacement]);
+            let is_known = size <= allowed;
+            let is_first = left == f64::INFINITY;
+            if !halves || is_known && is_first {
+                return match known_at {
+                    _ if is_known => Settled::Known,
+                    Some(place) => {
+                        x.copy_from_slice(&place);
+                        Settled::Known
+                    }
+                    None => Settled::Off([size, displacement]),
+                };
+            }
+            // A correction may leave a larger force behind: it goes on to what rounding leaves.
+            if is_known {
+                known_at = Some(x.to_vec());
             }
             left = size;
             x.iter_mut().zip(&correction).for_each(|(x, d)| *x -= d);
         }
-        Settled::Off([left, known.unwrap_or(0.0)])
+        known_at.map_or(Settled::Off([left, known.unwrap_or(0.0)]), |_| Settled::Known)
     }
 
     /// How far the load leads or the supports were moved.

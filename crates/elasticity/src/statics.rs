@@ -8,7 +8,8 @@
 //! so that Newton's method has a good guess. The line search lowers the energy; where the Hessian
 //! is not positive definite it is shifted by the mass (the ladder of calculus). What is found is a
 //! minimum of the energy where the last report's rung is Cholesky's, not of all minima the lowest. A projected
-//! Hessian only leads the search: how far the rest is and what kind of place it is the exact one says.
+//! Hessian only leads the search: how far the rest is and what kind of place it is the exact one says. Where the
+//! equations are solved by iteration a solve for a random right-hand side tells the kind.
 //!
 //! ```text
 //! residual  |dV - t f|, in the metric: (r . M^-1 r)^(1/2), kg^1/2 m/s^2
@@ -29,7 +30,7 @@
 use stationary_calculus::{
     ConjugateGradient, Covector, Curvature, DiagonalMetric, Equilibrium, EquilibriumReport,
     HessianSolver, IterativeSolver, Metric, Newton, NewtonEnd, NewtonError, NewtonFailure,
-    Ordering, Potential, Rung, SparseSolver, Vector,
+    Ordering, Potential, ProductSink, Rung, SparseSolver, Stationary, Unsolvable, Vector,
 };
 use stationary_mesh::Places;
 
@@ -214,21 +215,24 @@ impl Statics {
             let place = Place { step, statics: self, load: &load, metric };
             // A projected Hessian is too stiff to tell how far the rest is, and what kind of place it is.
             let curvature = solid.curvature;
-            let is_projected = curvature != Curvature::Exact;
-            let exact = (is_projected && matches!(self.solves, Solves::Factor(_))).then(|| {
+            let is_factored = matches!(self.solves, Solves::Factor(_));
+            let exact = (curvature != Curvature::Exact || !is_factored).then(|| {
                 solid.curvature = Curvature::Exact;
                 place.kind(&*solid, &mut solver, x)
             });
-            if !matches!(&exact, Some(Ok(exact)) if exact.rung == Rung::Cholesky) {
+            if !matches!(&exact, Some(Ok((_, Rung::Cholesky)))) {
                 solid.curvature = curvature;
             }
+            let found_at = x.to_vec();
             let report = place.judged(&*solid, &mut solver, (found, &history), &of, x);
+            solid.curvature = Curvature::Exact;
+            let is_corrected = report.is_ok() && *x != found_at[..];
+            let exact =
+                if is_corrected { Some(place.kind(&*solid, &mut solver, x)) } else { exact };
             solid.curvature = curvature;
             let report = report?;
             reports.push(match exact.transpose()? {
-                Some(EquilibriumReport { kind, rung, .. }) => {
-                    EquilibriumReport { kind, rung, ..report }
-                }
+                Some((kind, rung)) => EquilibriumReport { kind, rung, ..report },
                 None => report,
             });
         }
@@ -273,9 +277,13 @@ impl<const D: usize> Place<'_, D> {
             check_balance(solid, load, moved, x)?;
         }
         match (settled, found) {
-            (Settled::Known | Settled::Still, Ok(report)) => Ok(report),
+            (Settled::Known | Settled::Still, Ok(mut report)) => {
+                // That of the place to which it was corrected.
+                report.newton.residual = self.residual(solid, x);
+                Ok(report)
+            }
             (Settled::Known | Settled::Still, Err(source)) => {
-                let mut report = self.kind(solid, solver, x)?;
+                let mut report = self.ended(solid, solver, x)?;
                 report.newton.iterations = source.history.len() as u32 - 1;
                 report.newton.end = NewtonEnd::Rounding;
                 Ok(report)
@@ -300,8 +308,54 @@ impl<const D: usize> Place<'_, D> {
         }
     }
 
-    /// A search that ends where it begins: all that is left to find out is what kind of place it is.
+    /// What kind of place it is. Conjugate gradients find a direction in which the energy falls, or that there is
+    /// none; where they find neither, it cannot be told from a flat one.
     fn kind<L, M, const N: usize, const R: usize, const Q: usize>(
+        &self,
+        solid: &Solid<M, N, D, R, Q>,
+        solver: &mut L,
+        x: &mut [f64],
+    ) -> Result<(Stationary, Rung), ElasticityError>
+    where
+        L: HessianSolver,
+        M: Material<D, R>,
+    {
+        if let Solves::Factor(_) = self.statics.solves {
+            let report = self.ended(solid, solver, x)?;
+            return Ok((report.kind, report.rung));
+        }
+        let found = match solver.factor_weighted(0.0, self.metric, 1.0, solid, x) {
+            Ok(_) | Err(Unsolvable::Singular) => solver.negative_curvature(),
+            Err(error) => Err(error),
+        };
+        let Ok(found) = found else { return Ok((Stationary::Flat, Rung::Indefinite)) };
+        let Some(mut down) = found else { return Ok((Stationary::Minimum, Rung::Cholesky)) };
+        let length = self.metric.inner(Vector(&down), Vector(&down)).sqrt();
+        down.iter_mut().for_each(|d| *d /= length);
+        let mut product = vec![0.0; down.len()];
+        if let Some(mut sink) = ProductSink::new(1.0, &down, &mut product) {
+            solid.add_hessian(x, &mut sink);
+        }
+        let curvature = product.iter().zip(&down).map(|(y, d)| y * d).sum();
+        Ok((Stationary::Saddle { down: Vector(down), curvature }, Rung::Indefinite))
+    }
+
+    /// The size of the force that is left, in the metric.
+    fn residual<M, const N: usize, const R: usize, const Q: usize>(
+        &self,
+        solid: &Solid<M, N, D, R, Q>,
+        x: &[f64],
+    ) -> f64
+    where
+        M: Material<D, R>,
+    {
+        let mut force = vec![0.0; x.len()];
+        (solid, self.load).add_differential(x, Covector(&mut force[..]));
+        size(self.metric, &force)
+    }
+
+    /// A search that ends where it begins: all that is left to find out is what kind of place it is.
+    fn ended<L, M, const N: usize, const R: usize, const Q: usize>(
         &self,
         solid: &Solid<M, N, D, R, Q>,
         solver: &mut L,

@@ -104,8 +104,14 @@ impl BlockJacobi {
         Ok(())
     }
 
+    /// The freedoms of a freedom's block: the first, and the end.
+    pub(crate) fn block_of(&self, freedom: usize) -> (usize, usize) {
+        let block = self.starts.partition_point(|&start| start as usize <= freedom);
+        (self.starts[block - 1] as usize, self.starts[block] as usize)
+    }
+
     /// Replaces x by its product with the inverse of the blocks.
-    fn solve(&self, x: &mut [f64]) {
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         for block in self.blocks() {
             let k = block.len();
             let start = self.columns[block.start] as usize;

@@ -5,11 +5,13 @@
 //! ```
 //! The matrix is kept, a product with which costs a fraction of the blocks' computation; no factor is.
 //! What a factor would tell at once is found out on the way: in a direction in which the matrix is not
-//! positive the solve ends, and every component of x is NaN. Give it a potential whose Hessian is
+//! positive the solve ends, and every component of x is NaN; a right-hand side need not lead to one
+//! ([`HessianSolver::negative_curvature`] looks for it). Give it a potential whose Hessian is
 //! projected ([`Curvature::Semidefinite`](crate::Curvature)) where that may happen.
 
 use crate::sparse::block_jacobi::BlockJacobi;
 use crate::sparse::conjugate_gradient::Product;
+use crate::sparse::negative_curvature::{negative_curvature, negative_in_block};
 use crate::sparse::scratch::Scratch;
 use crate::sparse::solver::check_sizes;
 use crate::sparse::{ConjugateGradient, ConjugateGradientReport, SparseError, SymmetricMatrix};
@@ -23,6 +25,8 @@ pub struct IterativeSolver {
     jacobi: BlockJacobi,
     scratch: Scratch,
     x: Vec<f64>,
+    /// Why the preconditioner of the matrix assembled last could not be factored.
+    refused: Option<SparseError>,
     last: Option<Result<ConjugateGradientReport, SparseError>>,
 }
 
@@ -49,7 +53,15 @@ impl IterativeSolver {
             potential.add_hessian(q, sink);
         });
         let scratch = Scratch::new(n, &[method.scratch(&jacobi, &matrix)])?;
-        Ok(IterativeSolver { method, matrix, jacobi, scratch, x: vec![0.0; n], last: None })
+        Ok(IterativeSolver {
+            method,
+            matrix,
+            jacobi,
+            scratch,
+            x: vec![0.0; n],
+            refused: None,
+            last: None,
+        })
     }
 
     /// The matrix that was assembled last.
@@ -92,8 +104,8 @@ impl HessianSolver for IterativeSolver {
             potential.add_hessian(q, sink.weighted(a));
         });
         filled.map_err(SparseError::unsolvable)?;
-        self.jacobi.factor_of(&self.matrix).map_err(SparseError::unsolvable)?;
-        Ok(Rung::Cholesky)
+        self.refused = self.jacobi.factor_of(&self.matrix).err();
+        self.refused.map_or(Ok(Rung::Cholesky), |error| Err(error.unsolvable()))
     }
 
     fn solve(&mut self, r: &mut [f64]) {
@@ -115,6 +127,18 @@ impl HessianSolver for IterativeSolver {
 
     fn unsolved(&self) -> Option<Unsolvable> {
         self.last?.err().map(SparseError::unsolvable)
+    }
+
+    /// By no more products than a solve may take.
+    fn negative_curvature(&mut self) -> Result<Option<Vec<f64>>, Unsolvable> {
+        let found = match self.refused {
+            None => negative_curvature(&self.matrix, &self.jacobi, self.method.iterations),
+            Some(SparseError::NotPositiveDefinite { freedom }) => {
+                negative_in_block(&self.matrix, self.jacobi.block_of(freedom))
+            }
+            Some(error) => Err(error),
+        };
+        found.map_err(SparseError::unsolvable)
     }
 }
 
@@ -180,5 +204,61 @@ mod tests {
         springs.0[47] = -40.0;
         let refused = iterative.factor(&metric, &springs, &[], 1.0);
         assert_eq!(refused, Err(Unsolvable::Singular));
+    }
+
+    /// Blocks of a matrix, whatever the configuration.
+    struct Given(usize, Vec<([usize; 2], [f64; 4])>);
+
+    impl Potential for Given {
+        fn dim(&self) -> usize {
+            self.0
+        }
+
+        fn energy(&self, _: &[f64]) -> f64 {
+            0.0
+        }
+
+        fn add_differential(&self, _: &[f64], _: crate::Covector<&mut [f64]>) {}
+
+        fn add_hessian(&self, _: &[f64], hessian: &mut impl crate::Sink) {
+            for (freedoms, block) in &self.1 {
+                hessian.add_symmetric(freedoms, block);
+            }
+        }
+    }
+
+    #[test]
+    fn a_negative_curvature_is_found_or_proved_not_to_be_there() {
+        let n = 40;
+        let metric = crate::DiagonalMetric::new(vec![1.0; n]).unwrap();
+        let zeros = vec![0.0; n];
+        let method = ConjugateGradient { tolerance: 1e-10, iterations: 500 };
+        // A chain, the lowest eigenvalue of which is 4 sin^2(pi/82) = 5.87e-3, less a number on the diagonal.
+        let chain = |less: f64| {
+            let link = |i: usize| ([i, i + 1], [0.0, -1.0, -1.0, 0.0]);
+            let own = |i: usize| ([i, (i + 1) % n], [2.0 - less, 0.0, 0.0, 0.0]);
+            Given(n, (0..n - 1).map(link).chain((0..n).map(own)).collect())
+        };
+        let cases = [(0.0, true), (5.8e-3, true), (5.95e-3, false), (2.5, false)];
+        let scales = [1.0, 2.0_f64.powi(800), 2.0_f64.powi(-800)];
+        for ((less, is_definite), scale) in cases.into_iter().flat_map(|c| scales.map(|s| (c, s))) {
+            let given = chain(less);
+            let mut solver = IterativeSolver::new(method, &metric, &given, &zeros).unwrap();
+            let rung = solver.factor_weighted(0.0, &metric, scale, &given, &zeros);
+            assert_eq!(rung.is_ok(), less < 2.0, "blocks tell the last one");
+            let found = solver.negative_curvature().unwrap();
+            assert_eq!(found.is_none(), is_definite, "{less} {scale}");
+            if let Some(direction) = found {
+                let mut product = zeros.clone();
+                solver.matrix().add_product(scale.recip(), &direction, &mut product).unwrap();
+                assert!(product.iter().zip(&direction).map(|(y, x)| y * x).sum::<f64>() < 0.0);
+            }
+        }
+        // A free chain is flat, and neither.
+        let link = |i: usize| ([i, i + 1], [1.0, -1.0, -1.0, 1.0]);
+        let free = Given(n, (0..n - 1).map(link).collect());
+        let mut solver = IterativeSolver::new(method, &metric, &free, &zeros).unwrap();
+        solver.factor_weighted(0.0, &metric, 1.0, &free, &zeros).unwrap();
+        assert!(solver.negative_curvature().is_err());
     }
 }

@@ -19,6 +19,7 @@ mod iterative;
 mod jacobian;
 mod lu;
 mod metric;
+mod negative_curvature;
 mod pattern;
 mod refill;
 mod scratch;

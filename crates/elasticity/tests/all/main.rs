@@ -8,4 +8,5 @@ mod materials;
 mod parts;
 mod problems;
 mod projected;
+mod residuals;
 mod statics;

@@ -1,13 +1,14 @@
 //! What a body whose Hessian is projected is told of the place where it comes to rest.
 
-use stationary_calculus::{Curvature, Rung, Stationary};
+use stationary_calculus::{ConjugateGradient, Curvature, Rung, Stationary};
 use stationary_elasticity::{
-    DeadLoad, Elements, Freedoms, Lame, LinearTriangle, NeoHookean, Solid, Statics, lumped_mass,
+    DeadLoad, Elements, Freedoms, Lame, LinearTriangle, NeoHookean, Solid, Solves, Statics,
+    lumped_mass,
 };
 use stationary_mesh::{Diagonals, rectangle};
 
 /// A straight column of one metre, clamped at its foot, under a part of the load that buckles it.
-fn pressed(part: f64, curvature: Curvature) -> (Stationary, Rung) {
+fn pressed(part: f64, curvature: Curvature, solves: Solves) -> (Stationary, Rung) {
     let column = rectangle([1.0, 0.1], [10, 1], Diagonals::Crossed).unwrap();
     let places = column.nodes();
     let freedoms = Freedoms::held_where(&places, |x, _| x[0] == 0.0).unwrap();
@@ -21,17 +22,25 @@ fn pressed(part: f64, curvature: Curvature) -> (Stationary, Rung) {
     let force = |x: &[f64; 2]| if x[0] == 1.0 { [-0.5 * part * buckling, 0.0] } else { [0.0; 2] };
     let load = DeadLoad::new(&freedoms, places.iter().map(force).collect()).unwrap();
     let mut q = freedoms.gathered(&places).unwrap();
-    let rest = Statics::default().solve(&mut body, &load, &metric, freedoms.places(), &mut q);
+    let statics = Statics { solves, ..Statics::default() };
+    let rest = statics.solve(&mut body, &load, &metric, freedoms.places(), &mut q);
     let last = rest.unwrap().steps.pop().unwrap();
     (last.kind, last.rung)
 }
 
 #[test]
 fn a_column_that_is_pressed_straight_is_told_to_be_on_a_saddle() {
-    let (kind, rung) = pressed(3.0, Curvature::Semidefinite);
-    assert!(matches!(kind, Stationary::Saddle { curvature, .. } if curvature < 0.0), "{kind:?}");
-    assert_ne!(rung, Rung::Cholesky);
-    for (part, curvature) in [(0.3, Curvature::Semidefinite), (3.0, Curvature::Exact)] {
-        assert_eq!(pressed(part, curvature), (Stationary::Minimum, Rung::Cholesky));
+    let iterate = Solves::Iterate(ConjugateGradient { tolerance: 1e-12, iterations: 1000 });
+    let factor = Statics::default().solves;
+    for solves in [factor, iterate] {
+        for part in [2.0, 3.0] {
+            let (kind, rung) = pressed(part, Curvature::Semidefinite, solves);
+            let is_saddle = matches!(kind, Stationary::Saddle { curvature, .. } if curvature < 0.0);
+            assert!(is_saddle && rung != Rung::Cholesky, "{part} {kind:?} {rung:?}");
+        }
+        let below = pressed(0.9, Curvature::Semidefinite, solves);
+        assert_eq!(below, (Stationary::Minimum, Rung::Cholesky));
     }
+    let led_off = pressed(3.0, Curvature::Exact, factor);
+    assert_eq!(led_off, (Stationary::Minimum, Rung::Cholesky));
 }
