@@ -36,6 +36,8 @@ const SOLVED: f64 = 1e-10;
 pub struct ForceKicks<F> {
     force: F,
     works: Vec<f64>,
+    /// The works of the step that is made.
+    found: Vec<f64>,
     /// Before a kick, and after it.
     velocity: Vector<Vec<f64>>,
     moved: Vector<Vec<f64>>,
@@ -59,6 +61,7 @@ impl<F: Force> ForceKicks<F> {
         let (vector, covector) = (Vector(vec![0.0; n]), Covector(vec![0.0; n]));
         ForceKicks {
             works: vec![0.0; force.works()],
+            found: vec![0.0; force.works()],
             force,
             velocity: vector.clone(),
             moved: vector.clone(),
@@ -76,9 +79,14 @@ impl<F: Force> ForceKicks<F> {
         &self.force
     }
 
-    /// The work of each thing that acts, in the last step, joules. After a step that failed they are of no use.
+    /// The work of each thing that acts, in the last step that was accepted, joules.
     pub fn works(&self) -> &[f64] {
         &self.works
+    }
+
+    /// Takes the works of the two kicks for those of a step: it is made, and nothing failed.
+    pub fn accept(&mut self) {
+        self.works.copy_from_slice(&self.found);
     }
 
     /// Whether there is none.
@@ -98,7 +106,7 @@ impl<F: Force> ForceKicks<F> {
         q: &[f64],
         p: &mut Covector<&mut [f64]>,
     ) -> Result<u32, StepError> {
-        self.works.fill(0.0);
+        self.found.fill(0.0);
         if self.none() {
             return Ok(0);
         }
@@ -204,14 +212,14 @@ impl<F: Force> ForceKicks<F> {
 
     /// Adds the works of the impulse at `moved`, along the mean of the velocities before and after it.
     fn work(&mut self, t: f64, q: &[f64], h: f64) {
-        if self.works.is_empty() {
+        if self.found.is_empty() {
             return;
         }
-        let ForceKicks { force, works, velocity, moved, step, .. } = self;
+        let ForceKicks { force, found, velocity, moved, step, .. } = self;
         let means =
             velocity.0.iter().zip(&moved.0).map(|(before, after)| 0.25 * h * (before + after));
         step.0.iter_mut().zip(means).for_each(|(step, mean)| *step = mean);
-        force.add_powers(t, q, moved.view(), step.view(), works);
+        force.add_powers(t, q, moved.view(), step.view(), found);
     }
 }
 

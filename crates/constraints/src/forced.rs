@@ -30,7 +30,7 @@ impl<G, F: Force> Forced<G, F> {
         self.kicks.force()
     }
 
-    /// The work of each thing that acts, in the last step, joules. After a step that failed they are of no use.
+    /// The work of each thing that acts, in the last step that was made, joules.
     pub fn works(&self) -> &[f64] {
         self.kicks.works()
     }
@@ -50,5 +50,10 @@ impl<M: Metric, S, G: FreeMotion<M, S>, F: Force> FreeMotion<M, S> for Forced<G,
         self.motion.advance(metric, space, interval, q, p.view_mut(), room)?;
         self.kicks.after(metric, interval, q, &mut p);
         Ok(())
+    }
+
+    fn accept(&mut self) {
+        self.motion.accept();
+        self.kicks.accept();
     }
 }

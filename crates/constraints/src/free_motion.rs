@@ -29,6 +29,9 @@ pub trait FreeMotion<M, S> {
         p: Covector<&mut [f64]>,
         room: Vector<&mut [f64]>,
     ) -> Result<(), StepError>;
+
+    /// Takes the last motion for that of a step, which is made: of others, and of steps that fail, it tells nothing.
+    fn accept(&mut self) {}
 }
 
 /// The motion of constant momentum on flat space.

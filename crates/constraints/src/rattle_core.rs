@@ -430,6 +430,7 @@ where
         }
         self.warm.remember((state.t, h), self.start.as_ref(), self.impulse.as_ref());
         std::mem::swap(state, &mut self.next);
+        self.motion.accept();
         self.passage.see(self.there.solver.regularity());
         if self.there.known && self.there.q == state.q {
             std::mem::swap(&mut self.here, &mut self.there);

@@ -63,7 +63,7 @@ impl<'s, P: Potential, S: BodySpace, R: FreeRotation, F: Force> LieVerlet<'s, P,
         LieVerlet::under(system, force)
     }
 
-    /// The work of each thing that acts, in the last step, joules. After a step that failed they are of no use.
+    /// The work of each thing that acts, in the last step that was made, joules.
     pub fn works(&self) -> &[f64] {
         self.kicks.works()
     }
@@ -112,6 +112,7 @@ impl<P: Potential, S: BodySpace, R: FreeRotation, F: Force> Integrator<Vec<f64>>
         self.kicks.after(metric, interval, q, &mut p.view_mut());
         self.kick(0.5 * h, &mut differentials);
         accept(state, &mut self.next, h)?;
+        self.kicks.accept();
         let hessians = report.hessians.max(solved);
         Ok(StepReport { differentials, hessians, ..report })
     }

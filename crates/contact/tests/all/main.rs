@@ -69,6 +69,7 @@ mod steps;
 mod swinging_forces;
 mod sheet_on_a_box;
 mod thin_sheet;
+mod to_and_fro;
 mod time_of_impact;
 #[cfg(feature = "3d")]
 mod touching;

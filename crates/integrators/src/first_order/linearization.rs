@@ -80,7 +80,9 @@ impl<C: Storage> Linearization<C> {
         self.rounding = relative * size(&self.matrix);
         if let (Some(mass), Some(lu)) = (field.mass(), &mut self.small) {
             let matrix = &self.matrix;
-            let fastest = fastest(mass, matrix, self.f.as_ref().len());
+            let (absolute, y) = (scale.absolute.as_ref(), self.at.y.as_ref());
+            let unit = |j: usize| absolute[j] + scale.relative * y[j].abs();
+            let fastest = fastest(mass, matrix, (y.len(), unit));
             self.rounding = relative * fastest;
             let c = if fastest > 0.0 { SMALL / fastest } else { 1.0 };
             pencil(field, matrix, lu.matrix(), |m, j| m - c * j);
@@ -129,10 +131,12 @@ impl<C: Storage> Linearization<C> {
 /// c in parts of the shortest `|M_i| / |J_i|` where `M - c J` stands for all smaller ones.
 const SMALL: f64 = 1e-10;
 
-/// The largest `|J_i| / |M_i|` of the rows i that have a mass: each has a unit of its own.
-fn fastest(mass: &[f64], jacobian: &[f64], n: usize) -> f64 {
+/// The largest `|J_i| / |M_i|` of the rows i that have a mass: each has a unit of its own, and each of the n
+/// unknowns that of what is tolerated of it.
+fn fastest(mass: &[f64], jacobian: &[f64], (n, unit): (usize, impl Fn(usize) -> f64)) -> f64 {
     let row = |matrix: &[f64], i: usize| {
-        matrix.iter().skip(i).step_by(n).map(|entry| entry * entry).sum::<f64>().sqrt()
+        let entries = matrix.iter().skip(i).step_by(n).enumerate();
+        entries.map(|(j, entry)| (entry * unit(j)).abs()).sum::<f64>()
     };
     let rates = (0..n).map(|i| (row(mass, i), row(jacobian, i))).filter(|(m, _)| *m > 0.0);
     rates.map(|(m, j)| j / m).fold(0.0, f64::max)

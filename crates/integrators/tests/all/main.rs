@@ -7,6 +7,7 @@ mod explosions;
 mod facts;
 mod first_order_allocation;
 mod first_order_dense_output;
+mod first_order_driven;
 mod first_order_events;
 mod first_order_facts;
 mod first_order_methods;

@@ -161,3 +161,22 @@ fn a_step_of_a_driven_arm_under_a_force_allocates_nothing() {
     });
     assert_eq!(count.count_total, 0, "{count:?}");
 }
+
+#[test]
+fn rattle_tells_the_works_of_the_last_step_that_was_made() {
+    let (system, ends) = arm();
+    let hinge = Joint::new(Poses, 1, JointKind::Hinge { axis: Vector3::y() }, ends).unwrap();
+    let initial = system.metric().state(&[hanging(0.4, 1.0)]).unwrap();
+    let mut forces = BodyForces::new(Poses, 1);
+    forces.about_axis(ends, Vector3::y(), |_, _, rate| -0.2 * rate).unwrap();
+    let motion = Forced::new(FreeBodies(ConstantVelocity), forces);
+    let equations = SparseDiagonal(Redundancy::Refuse);
+    let mut rattle = Rattle::along(motion, &system, &hinge, &initial, equations).unwrap();
+    let mut state = initial.clone();
+    rattle.step(&mut state, 0.1).unwrap();
+    let works = rattle.motion().works().to_vec();
+    for h in [3.0, 1e3, 1e200] {
+        rattle.step(&mut state, h).unwrap_err();
+        assert_eq!(rattle.motion().works(), works, "{h:e}");
+    }
+}

@@ -147,3 +147,15 @@ fn damping_is_stable_at_every_step_where_it_is_implicit_and_up_to_its_border_whe
         assert!(spin(method, 0.99 * border) < 1.0 && spin(method, 1.01 * border) > 1.0, "{method}");
     }
 }
+
+#[test]
+fn a_step_that_fails_leaves_the_works_of_the_last_one() {
+    let (system, mut state) = boxes();
+    let mut verlet = LieVerlet::<_, _, ConstantVelocity, _>::forced(&system, everything()).unwrap();
+    verlet.step(&mut state, 0.01).unwrap();
+    let works = verlet.works().to_vec();
+    for h in [1e3, 1e200] {
+        verlet.step(&mut state, h).unwrap_err();
+        assert_eq!(verlet.works(), works, "{h:e}");
+    }
+}

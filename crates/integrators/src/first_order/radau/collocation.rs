@@ -33,6 +33,11 @@ pub(super) enum Reuse {
     Fresh,
 }
 
+/// Most corrections of a state between steps.
+const MOST_CORRECTIONS: u64 = 10;
+/// A correction is one towards the slow motion if it is at most this part of the one before it.
+const CORRECTING: f64 = 0.1;
+
 /// How the iterations ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Iterated {
@@ -53,6 +58,8 @@ pub(super) struct Collocation<C> {
     /// The factor by which the last iterations shrank.
     pub(super) contraction: f64,
     tolerance: f64,
+    /// By how many times the estimate an error of stiff parts is counted as more.
+    unseen: f64,
     pub(super) jacobian: Linearization<C>,
     /// The step that the factors belong to; 0 where there are none.
     factored: f64,
@@ -65,7 +72,11 @@ pub(super) struct Collocation<C> {
 }
 
 impl<C: Storage> Collocation<C> {
-    pub(super) fn new<F: VectorField>(field: &F, relative: f64) -> Result<Self, SizeError> {
+    pub(super) fn new<F: VectorField>(
+        field: &F,
+        relative: f64,
+        unseen: f64,
+    ) -> Result<Self, SizeError> {
         let n = field.dim();
         let zero: C = zeros(n)?;
         let three = || std::array::from_fn(|_| zero.clone());
@@ -74,6 +85,7 @@ impl<C: Storage> Collocation<C> {
             reuse: Reuse::Nothing,
             contraction: 0.0,
             tolerance: (10.0 * f64::EPSILON / relative).max(relative.sqrt().min(0.03)),
+            unseen,
             jacobian: Linearization::new(field)?,
             factored: 0.0,
             real: Lu::new(n),
@@ -217,14 +229,8 @@ impl<C: Storage> Collocation<C> {
         self.jacobian.is_outgrown(self.factored / GAMMA, &self.real)
     }
 
-    /// Writes (GAMMA/h M - J)^-1 (f + M E z/h), the error of a step, and returns its norm.
-    pub(super) fn error<F: VectorField>(
-        &mut self,
-        field: &F,
-        f: &C,
-        h: f64,
-        (error, s): (&mut C, &C),
-    ) -> f64 {
+    /// Writes (GAMMA/h M - J)^-1 (f + M E z/h), the error of a step.
+    pub(super) fn error<F: VectorField>(&mut self, field: &F, f: &C, h: f64, error: &mut C) {
         let [z1, z2, z3] = self.z.each_ref().map(C::as_ref);
         for (i, b) in self.b.as_mut().iter_mut().enumerate() {
             *b = (E[0] * z1[i] + E[1] * z2[i] + E[2] * z3[i]) / h;
@@ -232,6 +238,27 @@ impl<C: Storage> Collocation<C> {
         mass_times(field, self.b.as_ref(), error.as_mut());
         error.as_mut().iter_mut().zip(f.as_ref()).for_each(|(error, f)| *error += f);
         self.real.solve(error.as_mut());
+    }
+
+    /// Adds to an error what the estimate does not see of stiff parts, and returns its norm:
+    ///
+    /// ```text
+    /// error += unseen (I - GAMMA/h A^-1 M) error,      A = GAMMA/h M - J
+    /// ```
+    pub(super) fn whole_error<F: VectorField>(
+        &mut self,
+        field: &F,
+        h: f64,
+        (error, s): (&mut C, &C),
+    ) -> f64 {
+        if self.unseen == 0.0 {
+            return norm(error.as_ref(), s.as_ref());
+        }
+        mass_times(field, error.as_ref(), self.b.as_mut());
+        self.real.solve(self.b.as_mut());
+        for (error, slow) in error.as_mut().iter_mut().zip(self.b.as_ref()) {
+            *error += self.unseen * (*error - GAMMA / h * slow);
+        }
         norm(error.as_ref(), s.as_ref())
     }
 
@@ -242,30 +269,41 @@ impl<C: Storage> Collocation<C> {
     /// ```
     /// with the slope y' of the polynomial, and returns how often f was evaluated. In stiff components
     /// it is a Newton step towards the slow motion, which the polynomial follows to order 3 only while
-    /// the ends of the steps lie on it; in the others the factor in front is of the order of h J.
+    /// the ends of the steps lie on it; in the others the factor in front is of the order of h J. It is
+    /// repeated while it is more than a part of the tolerated error `s` and shrinks as a Newton step does:
+    /// rows of M that are zero have no error that would bound the step.
     pub(super) fn correct<F: VectorField>(
         &mut self,
         field: &F,
         (t, h): (f64, f64),
-        y: &mut [f64],
+        (y, s): (&mut [f64], &C),
         (slope, defect): (&mut C, &mut C),
     ) -> u64 {
         if self.factored != h {
             return 0;
         }
-        field.evaluate(t, y, defect.as_mut());
         mass_times(field, slope.as_ref(), self.b.as_mut());
-        let terms = defect.as_mut().iter_mut().zip(self.b.as_ref());
-        terms.for_each(|(defect, b)| *defect -= b);
-        self.real.solve(defect.as_mut());
-        mass_times(field, defect.as_ref(), slope.as_mut());
-        self.real.solve(slope.as_mut());
-        let terms = defect.as_mut().iter_mut().zip(slope.as_ref());
-        terms.for_each(|(defect, slope)| *defect -= GAMMA / h * slope);
-        if defect.as_ref().iter().all(|d| d.is_finite()) {
+        let mut last = f64::INFINITY;
+        for evaluations in 1..=MOST_CORRECTIONS {
+            field.evaluate(t, y, defect.as_mut());
+            let terms = defect.as_mut().iter_mut().zip(self.b.as_ref());
+            terms.for_each(|(defect, b)| *defect -= b);
+            self.real.solve(defect.as_mut());
+            mass_times(field, defect.as_ref(), slope.as_mut());
+            self.real.solve(slope.as_mut());
+            let terms = defect.as_mut().iter_mut().zip(slope.as_ref());
+            terms.for_each(|(defect, slope)| *defect -= GAMMA / h * slope);
+            let size = norm(defect.as_ref(), s.as_ref());
+            if !(size.is_finite() && size <= CORRECTING * last) {
+                return evaluations;
+            }
             y.iter_mut().zip(defect.as_ref()).for_each(|(y, d)| *y += d);
+            if size <= self.tolerance {
+                return evaluations;
+            }
+            last = size;
         }
-        1
+        MOST_CORRECTIONS
     }
 
     pub(super) fn visit(&mut self, visit: &mut dyn FnMut(&mut f64)) {
