@@ -129,11 +129,11 @@ pub enum StepFailure {
         /// The sum of their radii.
         radii: f64,
     },
-    /// Dampers between masses so far apart that they are solved by a full matrix, which would be too large.
+    /// Dampers that share bodies, whose full matrix would be too large or is singular.
     #[error(
-        "dampers that hold back the same bodies were not solved: the masses between them are too far apart, and \
-         {unknowns} velocities and impulses too many for a full matrix (at most {most}); bring the masses nearer to \
-         each other, take a smaller step, or an adaptive method"
+        "dampers that hold back the same bodies were not solved: {unknowns} velocities and impulses (a full matrix, \
+         which masses far apart need, takes at most {most}); take a smaller step, or bring the masses nearer to each \
+         other"
     )]
     Dampers {
         /// How many unknowns there are.
