@@ -5,6 +5,7 @@
 //!                d1 / d2 within a third of 2^p:   x* = x(h) + (x(h) - x(2h)) / (2^p - 1)
 //!                                                 uncertainty |x*(h) - x*(2h)|
 //!                else                             x* = x(h),  uncertainty d2 max(1, 1/(d1/d2 - 1))
+//!                the same of impacts and the like, by one method alone: no less than d1/2
 //!                two rungs alone                  x* = x(h),  uncertainty d2
 //! adaptive       x* = x(tolerance),               uncertainty |x* - x(the looser one before)|
 //! closed form    x* = x(all modes of heat),       uncertainty that of the modes
@@ -311,9 +312,9 @@ impl Reference {
         if kind == Kind::Adaptive {
             return Some(reference(fine, Extrapolated::No, last).hiding());
         }
+        let alone = runs.ladder().families.iter().filter(|f| f.converges()).count() == 1;
         let Some((third, coarse)) = Reference::coarser(runs, family, before) else {
             // Whoever has nothing to compare with must show that differences shrink.
-            let alone = runs.ladder().families.iter().filter(|f| f.converges()).count() == 1;
             let uncertainty = if alone { f64::INFINITY } else { last };
             return Some(reference(fine, Extrapolated::No, uncertainty).hiding());
         };
@@ -343,6 +344,9 @@ impl Reference {
         } else {
             last / (ratio - 1.0).min(1.0)
         };
+        // Errors of what happens at once fall with the step, and the last two runs may be near each other by luck.
+        let error =
+            if alone && !runs.ladder().is_smooth { error.max(0.5 * ratio * last) } else { error };
         let made = reference(fine, Extrapolated::No, error);
         Some(if ratio >= power * NEAR { made.hiding() } else { made })
     }

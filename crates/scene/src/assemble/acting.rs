@@ -324,6 +324,11 @@ impl Acting {
         }
     }
 
+    /// The velocities and impulses of dampers that share bodies and were not solved, since this was asked last.
+    pub(crate) fn take_unsolved(&mut self) -> Option<usize> {
+        self.dampers.take_unsolved()
+    }
+
     /// Forgets the works of the last step.
     pub(crate) fn begin(&mut self) {
         self.works.fill(0.0);

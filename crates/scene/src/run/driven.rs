@@ -96,7 +96,10 @@ impl Stepper for Driven<'_> {
             let mut acting = self.acting.0.borrow_mut();
             acting.kick(End::Start, (t, h), &state.q, state.p.components_mut());
         }
-        let stepped = match self.inner.step(state, h, to) {
+        let stepped = self.inner.step(state, h, to).and_then(|stepped| {
+            StepFailure::of_dampers(self.acting.0.borrow_mut().take_unsolved()).map(|()| stepped)
+        });
+        let stepped = match stepped {
             Ok(stepped) => stepped,
             Err(failure) => {
                 state.clone_from(&self.before);

@@ -129,6 +129,18 @@ pub enum StepFailure {
         /// The sum of their radii.
         radii: f64,
     },
+    /// Dampers that share bodies, whose full matrix would be too large or is singular.
+    #[error(
+        "dampers that hold back the same bodies were not solved: {unknowns} velocities and impulses (a full matrix, \
+         which masses far apart need, takes at most {most}); take a smaller step, or bring the masses nearer to each \
+         other"
+    )]
+    Dampers {
+        /// How many unknowns there are.
+        unknowns: usize,
+        /// How many a full matrix may have.
+        most: usize,
+    },
     /// A method that chooses its steps had to come further in the time that it was given.
     #[error("the time that the run was given is over")]
     TimeIsOver,
@@ -175,6 +187,14 @@ pub struct Interruption {
     pub source: StepFailure,
     /// The run up to there; its last sample is the state from which the step failed.
     pub run: Box<Run>,
+}
+
+impl StepFailure {
+    /// An error where dampers with so many unknowns were not solved.
+    pub(crate) fn of_dampers(unsolved: Option<usize>) -> Result<(), StepFailure> {
+        let most = crate::text::limits::FULL_MATRIX_FREEDOMS;
+        unsolved.map_or(Ok(()), |unknowns| Err(StepFailure::Dampers { unknowns, most }))
+    }
 }
 
 /// The unknown at which Newton's method met a number that is not finite.

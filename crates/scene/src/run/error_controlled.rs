@@ -300,6 +300,7 @@ impl<G: Flies, P: Potential> Stepper for Chosen<'_, G, P> {
         let (mut report, mut chosen) = (StepReport::default(), ChosenSteps::default());
         while self.now.t < to - ROUNDING * self.steps.step() {
             let taken = self.go_on()?;
+            self.given.check_solved()?;
             report.differentials += taken.world_steps as u32;
             chosen.accepted += taken.steps as u64;
             chosen.rejected += taken.rejected as u64;

@@ -102,6 +102,7 @@ impl<G: Flies, P: Potential> Stepper for Flying<G, P> {
         with.clone_from(state);
         given.obstacles().place_now(with);
         let met = bodies.step_under(with, h, given)?;
+        given.check_solved()?;
         given.obstacles().leave_out(with);
         std::mem::swap(state, with);
         works.clear();

@@ -14,6 +14,7 @@ use crate::assemble::obstacles::Obstacles;
 use crate::model::drives::MotorDrive;
 use crate::model::scene::Scene;
 use crate::model::strength::Strength;
+use crate::run::error::StepFailure;
 
 /// What acts on a scene, its impulses over a step, and its obstacles.
 #[derive(Debug)]
@@ -47,6 +48,11 @@ impl Given {
     /// The obstacles.
     pub(crate) fn obstacles(&self) -> &Obstacles {
         &self.obstacles
+    }
+
+    /// An error where dampers were not solved since this was asked last.
+    pub(crate) fn check_solved(&mut self) -> Result<(), StepFailure> {
+        StepFailure::of_dampers(self.acting.as_mut().and_then(Acting::take_unsolved))
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) fn stepper<'a>(
     let scales = joints.scales(scene.scale(), scene.timing.horizon(), &v)?;
     let allowed: Vec<f64> = scales.into_iter().map(|scale| scale * tolerance).collect();
     let control = StepControl::from(Tolerance::componentwise(tolerance, allowed.clone())?);
-    let start = Moment::new(0.0, [q, v].concat());
+    let state = [q, v].concat();
     let field = || {
         let none = TreeForces::none(&joints.tree);
         let drive = Forces::new(&joints, system, acting.clone()).drive();
@@ -53,6 +53,9 @@ pub(crate) fn stepper<'a>(
             if joints.loops.rows() > 0 { field.closed(joints.loops.clone()) } else { field };
         field.prescribed(joints.drives.clone())
     };
+    // What cannot begin says why: a field alone has no word but NaN.
+    field()?.loop_forces(0.0, &state, &mut vec![0.0; joints.loops.rows()])?;
+    let start = Moment::new(0.0, state);
     let reader = Box::new(JointReader::new(joints.clone(), field()?, allowed)?);
     let method: Box<dyn AdaptiveMethod<Vec<f64>>> = match method {
         Adaptive::DormandPrince54 => Box::new(DormandPrince54::new(field()?, control, start)?),

@@ -232,6 +232,7 @@ impl<G: Dimension, P: Potential> Stepper for Touching<G, P> {
         self.before.clone_from(state);
         self.with.clone_from(state);
         self.given.prepare(&mut self.with, h);
+        self.given.check_solved()?;
         let met = self.world.step_under(&mut self.with, h, &self.joints, &self.given)?;
         self.given.obstacles().leave_out(&mut self.with);
         std::mem::swap(state, &mut self.with);

@@ -274,3 +274,40 @@ fn a_block_that_is_pushed_over_a_floor_slides_as_coulomb_says() {
         assert!(fine.2.works()[0].1 > 10.0, "{:?}", fine.2.works());
     }
 }
+
+#[test]
+fn three_balls_on_dampers_between_them_fly_at_the_order_of_their_flights() {
+    let ends = |method: &str, step: f64| {
+        let ball = |name: &str, place: &str, velocity: &str| {
+            format!(
+                "{{ name = \"{name}\", mass = 1, ball = 0.1, position = {place}, velocity = {velocity} }}"
+            )
+        };
+        let damper = |a: &str, b: &str, damping: f64| {
+            format!("{{ between = [\"{a}\", \"{b}\"], stiffness = 2, damping = {damping} }}")
+        };
+        let text = format!(
+            "dimension = 2\nintegrator = \"{method}\"\nstep = {step}\nhorizon = 0.8\n\
+             observables = [{{ position = \"a\" }}]\ncontact = {{ restitution = 1 }}\n\
+             bodies = [{}, {}, {}]\nsprings = [{}, {}, {}]\n",
+            ball("a", "[0, 0]", "[1, 0.5]"),
+            ball("b", "[1, 0.3]", "[-0.3, 1]"),
+            ball("c", "[0.2, 1.4]", "[0, -0.5]"),
+            damper("a", "b", 0.5),
+            damper("b", "c", 0.7),
+            damper("c", "a", 0.4),
+        );
+        let run = run(&text);
+        run.positions(run.times().len() - 1)[..2].to_vec()
+    };
+    for (method, order) in WORDS {
+        let exact = ends(method, 0.00625);
+        let off = |step: f64| {
+            let found = ends(method, step);
+            (found[0] - exact[0]).hypot(found[1] - exact[1])
+        };
+        let [coarse, fine] = [0.1, 0.05].map(off);
+        let fell = (coarse / fine).log2();
+        assert!((fell - order).abs() < 0.3, "{method}: {coarse:e}, {fine:e}, order {fell}");
+    }
+}

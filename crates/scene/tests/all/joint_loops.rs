@@ -183,3 +183,18 @@ fn two_speeds_of_one_freedom_are_refused() {
     assert!(matches!(error.fault, Fault::MethodCannot { .. }), "{error}");
     assert!(error.to_string().contains("motors with a speed at all joints of a loop"), "{error}");
 }
+
+#[test]
+fn a_rod_to_what_is_fixed_is_told_where_steps_are_chosen() {
+    let head = head(2, "\"dormand-prince-853\"\ntolerance = 1e-8", 0.02, 0.1);
+    let text = "particles = [{ name = \"nail\", position = [0, 1], pinned = true }]\n\
+        bodies = [{ name = \"post\", mass = 1, box = [1, 1], position = [0, 0] },\n\
+        { name = \"stone\", mass = 1, box = [1, 1], position = [3, 0] }]\n\
+        joints = [{ kind = \"weld\", between = [\"world\", \"post\"], at = [0, 0] }]\n\
+        rods = [{ between = [\"nail\", \"post\"] }]\n";
+    let told = scene(&(head + text)).run().expect_err("a rod that nothing stretches").to_string();
+    assert_eq!(
+        told,
+        "the 1 rows of the loops depend on each other here; leave out what others hold"
+    );
+}

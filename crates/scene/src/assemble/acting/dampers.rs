@@ -7,17 +7,27 @@
 //! W_k = l_k (r_k + r_k')/2                                 of what moves, without r_0; of drag alike
 //! ```
 //! Dampers that share what they hold back are solved together by conjugate gradients, scaled by the diagonal; their
-//! matrix is no less than one. All room is taken once. One after another, stiff ones of unlike masses would throw
-//! what they hold faster with every step.
+//! matrix is no less than one. Where these do not converge, where impulses cancel on what is light (`e` above
+//! [`CANCELS`]), or `h < 0`, a matrix is factored (see `dampers/direct.rs`). One after another, stiff ones of unlike
+//! masses would throw what they hold faster with every step.
+//!
+//! ```text
+//! e = eps max_k |J_k| N |J^T| |l| / max_k |r_k|
+//! ```
+
+mod direct;
 
 use std::collections::BTreeMap;
 
 use super::rate::{Rate, RateNow};
 use super::{Act, End, What, shifts};
+use crate::text::limits::FULL_MATRIX_FREEDOMS;
 
 /// The rounding to which rates are solved, and the most iterations a damper, and beside.
 const ROUNDING: f64 = 1e-16;
 const MOST: [usize; 2] = [10, 100];
+/// The largest error of a rate, over the largest rate, that cancelling impulses may leave.
+const CANCELS: f64 = 1e-12;
 
 /// The drag and the dampers of a scene, in the order of what acts.
 #[derive(Clone, Debug)]
@@ -31,6 +41,8 @@ pub(super) struct Dampers {
     pulls: Vec<f64>,
     /// One over the masses that dampers feel under the drag.
     felt: Vec<f64>,
+    /// The unknowns of a group that was not solved.
+    unsolved: Option<usize>,
 }
 
 /// A damper and what holds back its rate now.
@@ -51,6 +63,8 @@ pub(super) struct Held {
     left: f64,
     way: f64,
     along: f64,
+    /// What it gives to freedoms beside, so that the impulses of all are exact together.
+    beside: Vec<(usize, f64)>,
 }
 
 impl Dampers {
@@ -81,7 +95,7 @@ impl Dampers {
             }
         }
         let (groups, pulls) = (groups.into_values().collect(), vec![0.0; freedoms]);
-        Dampers { drag, all, groups, felt: pulls.clone(), pulls }
+        Dampers { drag, all, groups, felt: pulls.clone(), pulls, unsolved: None }
     }
 
     /// Finds the impulses of dampers over a time `h` at an end of a step, and what all give to freedoms.
@@ -92,7 +106,7 @@ impl Dampers {
         (p, inverse): (&[f64], &[f64]),
         end: End,
     ) -> (&[Held], &[f64]) {
-        let Dampers { drag, all, groups, pulls, felt } = self;
+        let Dampers { drag, all, groups, pulls, felt, unsolved } = self;
         if all.is_empty() {
             return (all, pulls);
         }
@@ -107,15 +121,23 @@ impl Dampers {
             let x = h * held.viscosity;
             let after = if end == End::Start { 1.0 + x * held.yields } else { 1.0 };
             held.impulse = -x * held.whole / after;
-            held.root = x.sqrt();
+            held.root = x.abs().sqrt();
+            held.beside.clear();
         }
         if end == End::Start {
             let shared = groups.iter().filter(|group| group.len() > 1);
-            shared.for_each(|group| together(all, group, pulls, felt));
+            for group in shared {
+                *unsolved = together(all, group, (pulls, felt), h).err().or(*unsolved);
+            }
         }
         pulls.fill(0.0);
         all.iter().flat_map(Held::gives).for_each(|(freedom, impulse)| pulls[freedom] += impulse);
         (all, pulls)
+    }
+
+    /// The unknowns of a group that was not solved since this was asked last: it is too large to be factored.
+    pub(super) fn take_unsolved(&mut self) -> Option<usize> {
+        self.unsolved.take()
     }
 
     /// Holds back for a time `h`, and adds the works.
@@ -151,12 +173,29 @@ impl Held {
     fn new(act: usize, viscosity: f64, rate: Rate) -> Self {
         let [impulse, own, whole, yields, root, left, way, along] = [0.0; 8];
         let now = RateNow::default();
-        Held { act, viscosity, rate, now, impulse, own, whole, yields, root, left, way, along }
+        let beside = Vec::new();
+        Held {
+            act,
+            viscosity,
+            rate,
+            now,
+            impulse,
+            own,
+            whole,
+            yields,
+            root,
+            left,
+            way,
+            along,
+            beside,
+        }
     }
 
     /// What its impulse is on freedoms.
     pub(super) fn gives(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.now.entries.iter().map(|&(freedom, part)| (freedom, self.impulse * part))
+        let by_impulse =
+            self.now.entries.iter().map(|&(freedom, part)| (freedom, self.impulse * part));
+        by_impulse.chain(self.beside.iter().copied())
     }
 }
 
@@ -168,12 +207,61 @@ fn first_of(of_things: &[usize], mut thing: usize) -> usize {
     thing
 }
 
-/// The impulses of dampers that share freedoms.
-fn together(all: &mut [Held], group: &[usize], pulls: &mut [f64], inverse: &[f64]) {
-    let scaled = |held: &Held| held.left / (1.0 + held.root * held.yields * held.root);
+/// The impulses of dampers that share freedoms; else how many unknowns they have.
+fn together(
+    all: &mut [Held],
+    group: &[usize],
+    (pulls, inverse): (&mut [f64], &[f64]),
+    h: f64,
+) -> Result<(), usize> {
+    // What is no number is told by whoever looks at the state.
+    if !group.iter().all(|&k| all[k].whole.is_finite()) {
+        return Ok(());
+    }
+    let direction = h.signum();
+    if by_gradients(all, group, (pulls, inverse), direction)
+        && error(all, group, pulls, inverse) <= CANCELS
+    {
+        return Ok(());
+    }
+    let freedoms = direct::freedoms(all, group);
+    let unknowns = freedoms.len() + group.len();
+    let small = unknowns <= FULL_MATRIX_FREEDOMS;
+    if small && direct::solve(all, (group, &freedoms), inverse, direction) {
+        Ok(())
+    } else {
+        Err(unknowns)
+    }
+}
+
+/// What cancelling impulses leave of the rates of a group, over the largest of them.
+fn error(all: &[Held], group: &[usize], pulls: &mut [f64], inverse: &[f64]) -> f64 {
+    let held = || group.iter().map(|&k| &all[k]);
+    held().flat_map(|held| &held.now.entries).for_each(|&(freedom, _)| pulls[freedom] = 0.0);
+    held().flat_map(Held::gives).for_each(|(freedom, impulse)| pulls[freedom] += impulse.abs());
+    let of = |held: &Held| {
+        let parts = held.now.entries.iter();
+        parts.map(|&(freedom, part)| part.abs() * inverse[freedom] * pulls[freedom]).sum::<f64>()
+    };
+    let largest = held().map(|held| held.whole.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    f64::EPSILON * held().map(of).fold(0.0, f64::max) / largest
+}
+
+/// The impulses of a group by conjugate gradients; whether these converged.
+fn by_gradients(
+    all: &mut [Held],
+    group: &[usize],
+    (pulls, inverse): (&mut [f64], &[f64]),
+    direction: f64,
+) -> bool {
+    let diagonal = move |held: &Held| 1.0 + direction * held.root * held.yields * held.root;
+    let scaled = move |held: &Held| held.left / diagonal(held);
     let size = group.iter().map(|&k| (all[k].root * all[k].whole).abs()).fold(0.0, f64::max);
     if size == 0.0 {
-        return;
+        return true;
+    }
+    if group.iter().any(|&k| diagonal(&all[k]) <= 0.0) {
+        return false;
     }
     for &k in group {
         let held = &mut all[k];
@@ -185,13 +273,13 @@ fn together(all: &mut [Held], group: &[usize], pulls: &mut [f64], inverse: &[f64
     let mut square = first;
     for _ in 0..MOST[0] * group.len() + MOST[1] {
         if square <= ROUNDING * ROUNDING * first {
-            break;
+            return true;
         }
-        multiply(all, group, pulls, inverse);
+        multiply(all, group, (pulls, inverse), direction);
         let step = square / group.iter().map(|&k| all[k].way * all[k].along).sum::<f64>();
         for &k in group {
             let held = &mut all[k];
-            held.impulse -= step * size * held.root * held.way;
+            held.impulse -= direction * step * size * held.root * held.way;
             held.left -= step * held.along;
         }
         let next = squares(all);
@@ -200,10 +288,16 @@ fn together(all: &mut [Held], group: &[usize], pulls: &mut [f64], inverse: &[f64
         }
         square = next;
     }
+    false
 }
 
 /// The matrix along the way.
-fn multiply(all: &mut [Held], group: &[usize], pulls: &mut [f64], inverse: &[f64]) {
+fn multiply(
+    all: &mut [Held],
+    group: &[usize],
+    (pulls, inverse): (&mut [f64], &[f64]),
+    direction: f64,
+) {
     for &k in group {
         all[k].now.entries.iter().for_each(|&(freedom, _)| pulls[freedom] = 0.0);
     }
@@ -212,7 +306,7 @@ fn multiply(all: &mut [Held], group: &[usize], pulls: &mut [f64], inverse: &[f64
     }
     for &k in group {
         let [brought, ..] = all[k].now.of_momenta(pulls, inverse);
-        all[k].along = all[k].way + all[k].root * brought;
+        all[k].along = all[k].way + direction * all[k].root * brought;
     }
 }
 
@@ -258,5 +352,63 @@ mod tests {
             let off = after.iter().zip(&p).zip(&inverse).map(|((a, b), i)| (a - b).abs() * i.sqrt());
             prop_assert!(off.fold(0.0, f64::max) <= 1e-6 * energy(&p).sqrt());
         }
+    }
+
+    /// A line of masses up to 1e18 apart, with dampers up to 1e12 apart between neighbours, and their momenta.
+    fn unlike_line(n: i32) -> (Vec<Act>, Vec<f64>, Vec<f64>) {
+        let masses: Vec<f64> = (0..n).map(|k| 10.0_f64.powi(7 * k % 19 - 9)).collect();
+        let act = |k: usize| {
+            damper(10.0_f64.powi((5 * k as i32) % 13 - 6), vec![(k, -1.0), (k + 1, 1.0)])
+        };
+        let p = masses.iter().enumerate().map(|(k, m)| m * (1.0 + (3 * k % 7) as f64)).collect();
+        ((0..masses.len() - 1).map(act).collect(), masses, p)
+    }
+
+    #[test]
+    fn a_light_mass_between_heavy_ones_has_the_velocity_of_elimination_without_subtraction() {
+        let (acts, masses, p) = unlike_line(80);
+        let inverse: Vec<f64> = masses.iter().map(|m| 1.0 / m).collect();
+        let (mut after, mut works) = (p.clone(), vec![0.0; acts.len()]);
+        let mut dampers = Dampers::of(&acts, 80, (1, 1));
+        dampers.hold_back((0.0, 1.0), (&[], 1), (&mut after, &inverse), End::Start, &mut works);
+        // (m + x) v - x v' = b from the left, where nothing is subtracted; then back.
+        let (mut m, mut b) = (masses.clone(), p);
+        let x = |k: usize| 10.0_f64.powi((5 * k as i32) % 13 - 6);
+        for k in 0..79 {
+            m[k + 1] += m[k] / (m[k] + x(k)) * x(k);
+            b[k + 1] += b[k] / (m[k] + x(k)) * x(k);
+        }
+        let mut v = b[79] / m[79];
+        for k in (0..80).rev() {
+            v = if k == 79 { v } else { (b[k] + x(k) * v) / (m[k] + x(k)) };
+            let off = after[k] * inverse[k] - v;
+            assert!(off.abs() <= 1e-13 * v, "mass {k}: {v} is {off:e} off");
+        }
+    }
+
+    #[test]
+    fn a_group_that_is_too_large_to_be_factored_is_told_once() {
+        let (acts, masses, mut p) = unlike_line(600);
+        let inverse: Vec<f64> = masses.iter().map(|m| 1.0 / m).collect();
+        let mut dampers = Dampers::of(&acts, 600, (1, 1));
+        dampers.find((0.0, 1.0), (&[], 1), (&p, &inverse), End::Start);
+        assert_eq!(dampers.take_unsolved(), Some(600 + 599));
+        for nothing in [0.0, f64::NAN] {
+            p.fill(nothing);
+            dampers.find((0.0, 1.0), (&[], 1), (&p, &inverse), End::Start);
+            assert_eq!(dampers.take_unsolved(), None);
+        }
+    }
+
+    #[test]
+    fn a_step_back_is_undone_by_its_end_where_dampers_share_a_mass() {
+        let acts = [[0, 1], [1, 2], [0, 2]].map(|[a, b]| damper(0.5, vec![(a, -1.0), (b, 1.0)]));
+        let (p, inverse) = ([3.0, -1.0, 2.0], [1.0, 0.2, 0.5]);
+        let (mut after, mut works) = (p, vec![0.0; 3]);
+        let mut dampers = Dampers::of(&acts, 3, (1, 1));
+        dampers.hold_back((0.0, -0.4), (&[], 1), (&mut after, &inverse), End::Start, &mut works);
+        dampers.hold_back((0.0, 0.4), (&[], 1), (&mut after, &inverse), End::Finish, &mut works);
+        let off = after.iter().zip(p).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off <= 1e-14, "{off:e}");
     }
 }
