@@ -66,9 +66,11 @@ fn line(stepping: &str, steps: u64) -> Result<Scene, SceneError> {
         0 | LINKS => "pinned = true".to_owned(),
         _ => format!("mass = {}", if k.is_multiple_of(2) { 0.0025 } else { 0.25 }),
     };
-    let particle = |k| format!("{{ name = \"{k}\", position = [{}, 0], {} }}", 0.05 * f64::from(k), mass(k));
+    let particle =
+        |k| format!("{{ name = \"{k}\", position = [{}, 0], {} }}", 0.05 * f64::from(k), mass(k));
     let particles: Vec<String> = (0..=LINKS).map(particle).collect();
-    let spring = |k| format!("{{ between = [\"{k}\", \"{}\"], stiffness = 400, damping = 20 }}", k + 1);
+    let spring =
+        |k| format!("{{ between = [\"{k}\", \"{}\"], stiffness = 400, damping = 20 }}", k + 1);
     let springs: Vec<String> = (0..LINKS).map(spring).collect();
     Scene::parse(
         "damped-line.toml",
@@ -156,7 +158,8 @@ fn charts(
     let error_axis = || Axis::log("largest error of a position", "sizes of the scene");
     let work = Axis::log("evaluations and factorizations", "");
     let mut counted =
-        Lines::new(&format!("Held back by {held}: by counted work"), work, error_axis()).mark_front();
+        Lines::new(&format!("Held back by {held}: by counted work"), work, error_axis())
+            .mark_front();
     let wall = Axis::log("wall time", "s");
     let mut timed = Lines::new(&format!("Held back by {held}: by wall time"), wall, error_axis());
     for contender in contenders {

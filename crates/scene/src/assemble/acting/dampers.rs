@@ -27,7 +27,7 @@ use crate::text::limits::FULL_MATRIX_FREEDOMS;
 const ROUNDING: f64 = 1e-16;
 const MOST: [usize; 2] = [10, 100];
 /// The largest error of a rate, over the largest rate, that cancelling impulses may leave.
-const CANCELS: f64 = 1e-12;
+const CANCELS: f64 = 1e-10;
 
 /// The drag and the dampers of a scene, in the order of what acts.
 #[derive(Clone, Debug)]
