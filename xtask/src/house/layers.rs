@@ -44,6 +44,7 @@ const ALLOWED: &[(&str, &[Outside])] = &[
         &[
             Always("nalgebra"),
             Always("thiserror"),
+            Always("wide"),
             Optional("parry2d-f64"),
             Optional("parry3d-f64"),
         ],
