@@ -28,7 +28,7 @@
 //!
 //! One tolerance says how far contact conditions are settled, m/s. By default it is a small part of what the forces
 //! change of velocities in the step, so that it is as fine for what is slow as for what is fast; what moves in a
-//! pile, a world of more than a hundred contacts, is settled to three tenths of that, or to 3e-4 of the fastest body of
+//! pile, a world of more than a hundred contacts, is settled to a quarter of that, or to 3e-4 of the fastest body of
 //! its island. A step whose conditions are not met so far says so ([`WorldReport::settled`]), and is an error only
 //! beyond the limit that is asked for. Source: notes 11.4, 11.5.1; Stewart and Trinkle 1996, Anitescu and Potra 1997
 //! for contact by velocities.

@@ -312,8 +312,8 @@ fn unit_of(boxes: [&Cuboid; 2]) -> f64 {
     2_f64.powi(size[0].min(size[1]).log2().round().clamp(-500.0, 500.0) as i32)
 }
 
-fn measured(pose: &Pose, unit: f64) -> Pose {
-    Pose { translation: pose.translation / unit, ..*pose }
+fn measured(pose: &Pose, per_unit: f64) -> Pose {
+    Pose { translation: pose.translation * per_unit, ..*pose }
 }
 
 fn in_metres(manifold: &mut Manifold, unit: f64) {
@@ -342,9 +342,11 @@ fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifo
     let back = relative.inverse();
     let n2 = back.rotation * -n1;
     let unit = unit_of(boxes);
+    // Exact, as the unit is a power of two.
+    let per_unit = unit.recip();
     let mut faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
-    faces.iter_mut().flat_map(|face| &mut face.vertices).for_each(|corner| *corner /= unit);
-    let [there, again] = [relative, &back].map(|pose| measured(pose, unit));
+    faces.iter_mut().flat_map(|face| &mut face.vertices).for_each(|corner| *corner *= per_unit);
+    let [there, again] = [relative, &back].map(|pose| measured(pose, per_unit));
     manifold.clear();
     PolygonalFeature::contacts(&there, &again, n1, n2, &faces[0], &faces[1], manifold, false);
     in_metres(manifold, unit);

@@ -60,8 +60,8 @@ impl<const D: usize> Compliance<D> {
 
     #[inline]
     fn of<const F: usize>(rows: &[[[f64; F]; D]; 2]) -> Self {
-        let product =
-            |k: usize, l: usize| -> f64 { rows.iter().map(|rows| dot(&rows[k], &rows[l])).sum() };
+        let [a, b] = rows;
+        let product = |k: usize, l: usize| dot_two([&a[k], &b[k]], [&a[l], &b[l]]);
         let normal: [f64; D] = array(|k| product(0, k));
         let mut tangent_mass = [0.0; D];
         let xx = product(1, 1);

@@ -24,10 +24,10 @@ const SMALL_ISLAND_TOLERANCE: f64 = 1e-8;
 /// too much work is left at this one, and the step is then not settled.
 const LARGE_ISLAND_TOLERANCE: f64 = 1e-2;
 /// What may be left in the moving islands of a pile, relative to the largest velocity increment and to its
-/// fastest body: three tenths of what a step's weight changes, and a small part of what it stops. A tenth costs a
-/// quarter more for a pile that falls; a thousandth of what engines with a few sweeps leave is met all the same. From a
-/// half on what is left gives energy in many a step, and is settled finer then after all.
-const MOVING_TOLERANCE: f64 = 0.3;
+/// fastest body: a quarter of what a step's weight changes, and a small part of what it stops. A tenth costs a fifth
+/// more for a pile that falls, a thousandth of what engines with a few sweeps leave is met all the same; from a half on
+/// what is left gives energy in many a step of a wall, and is settled finer then after all.
+const MOVING_TOLERANCE: f64 = 0.25;
 const FASTEST_TOLERANCE: f64 = 3e-4;
 /// What the last sweep over such an island may change, relative to what may be left: what is left is looked at besides.
 pub(super) const CHANGE_IN_PILE: f64 = 0.75;

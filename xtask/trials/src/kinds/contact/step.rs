@@ -313,9 +313,9 @@ impl<'a> Referee<'a> {
         // Gaps are of points that are farther than centres.
         let radius = self.bodies.iter().map(|body| body.hull.radius).fold(0.0, f64::max);
         let rounding = 1e-10 * fastest + 20.0 * f64::EPSILON * (step.farthest() + radius) / h;
-        // Of what moves in a pile three tenths of what weight changes may be left, and 3e-4 of the fastest.
+        // Of what moves in a pile a quarter of what weight changes may be left, and 3e-4 of the fastest.
         let pile = step.touches.len() > PILE;
-        let of_piles = (0.3 * gain).max(3e-4 * (fastest + gain));
+        let of_piles = (0.25 * gain).max(3e-4 * (fastest + gain));
         let asked = self.case.tolerance.unwrap_or(if pile { of_piles } else { 1e-2 * gain });
         let slop = 0.1 * self.fine(step) + rounding;
         let mut verdict = Verdict::due();
