@@ -193,7 +193,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
         let (mut first, mut second) = (w[a], w[b]);
         let mut rates = [0.0; D];
         rates[0] = self.rate(0, &first, &second);
-        // What neither pushes nor closes needs no other rate: a good third of all visits.
+        // What neither pushes nor closes needs no other rate: a good third of all visits. No bit is set in zeros.
         if x.iter().fold(0, |bits, x| bits | x.to_bits()) == 0 && rates[0] >= 0.0 {
             return [0.0; D];
         }

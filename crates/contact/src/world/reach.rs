@@ -5,10 +5,10 @@
 //! |h v_a| > r_a + h e/2:   r_a <- 3/2 |h v_a|
 //! max (-n.(v_2 - v_1) - max(g, 0)/h)                              over what comes within reach
 //! ```
-//! `v_a` the speed of the fastest point of body `a` (m/s), before the step above and after it, with what lifts it out of
-//! overlap, below; `dv_a` the velocity increment, `R_a` its radius (m), `e` what is left of the conditions of what was looked at (m/s). A body
-//! that an impulse or a lift makes faster than was foreseen may close gaps that nobody looked at: by how much at most is a part
-//! of the residual, or the step is solved again.
+//! `v_a` the speed of the fastest point of body `a` (m/s), before the step above and after it, with what lifts it out
+//! of overlap, below; `dv_a` the velocity increment, `R_a` its radius (m), `e` what is left of the conditions of what
+//! was looked at (m/s). A body that an impulse or a lift makes faster than was foreseen may close gaps that nobody
+//! looked at: by how much at most is a part of the residual, or the step is solved again.
 
 use stationary_calculus::Potential;
 
