@@ -323,11 +323,13 @@ where
             let goal = Goal::lifted(settled);
             self.parts.settle(&mut self.sweeps, island, &mut self.x, goal, LIFTS);
         }
-        // What few sweeps have not settled must not press others deeper into each other.
+        // What few sweeps have not settled must press none deeper than the step's velocities leave another.
+        let left = |&i: &usize| bias[i] - least[i];
+        let deepest = members.iter().map(|i| -left(i)).fold(settled, f64::max);
         let mut part = 1.0_f64;
-        for (contact, &i) in island.contacts.iter().zip(members) {
-            let change = contact.rates(&self.sweeps.w)[0] - bias[i];
-            let room = (bias[i] - least[i]).max(0.0) + settled;
+        for (contact, i) in island.contacts.iter().zip(members) {
+            let change = contact.rates(&self.sweeps.w)[0] - bias[*i];
+            let room = left(i) + deepest;
             if change < 0.0 {
                 part = part.min(room / -change);
             }
