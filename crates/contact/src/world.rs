@@ -62,10 +62,11 @@ use stationary_integrators::{Saved, State, StepError};
 
 use crate::error::{check_finite, check_time};
 use crate::solve::body_state::BodyState;
-use crate::world::contact_cache::ContactCache;
+use crate::world::contact_cache::{ContactCache, MOVED, MOVED_IN_PILE};
 use crate::world::jointed::Closed;
 use crate::world::memory::Memory;
 use crate::world::standing::Standing;
+use crate::world::tolerances::LARGE;
 use crate::world::warm_start::WarmStart;
 use crate::{
     ContactError, ContactIn, DetectorIn, Dimension, ImpactLaw, InverseMass, JointRows, WorldReport,
@@ -399,6 +400,8 @@ impl<G: Dimension, P: Potential> World<G, P> {
         states.clear();
         let scales = scales.iter().enumerate();
         states.extend(scales.map(|(i, &scale)| BodyState::new(i, scale, &state.q, &v.0)));
+        let pile = self.tolerance.is_none() && self.last.len() > LARGE;
+        self.kept.moved = if pile { MOVED_IN_PILE } else { MOVED };
         self.kept.detect(&mut self.detector, states, &state.q, reach)?;
         let mut contacts = self.kept.take_found();
         // A moving obstacle and what is fixed feel no impulse of each other.

@@ -8,7 +8,7 @@
 //! `e_i`. If two boxes are apart, one of the fifteen axes says so. The first of them that says more
 //! than `margin` ends the search. Source: Gottschalk, Lin and Manocha 1996.
 
-use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::math::Vector;
 
 /// An axis and how far apart boxes are along it.
 #[derive(Clone, Copy, Debug)]
@@ -26,22 +26,23 @@ const TIE: f64 = 1e-13;
 /// Edges at a smaller sine to each other are parallel: faces have their axis.
 const PARALLEL: f64 = 1e-15;
 
-/// The axis along which boxes of these half sizes are farthest apart; none if by more than
-/// `margin`.
-pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<Axis> {
-    let [a, b] = halves.map(|half| [half.x, half.y, half.z]);
-    let t = [pose.translation.x, pose.translation.y, pose.translation.z];
-    let r = [Vector::X, Vector::Y, Vector::Z].map(|axis| {
-        let axis = pose.rotation * axis;
-        [axis.x, axis.y, axis.z]
-    });
+/// The axis along which boxes of these half sizes are farthest apart, the second with these axes and its centre at
+/// `from`; none if by more than `margin`.
+pub(crate) fn farthest(
+    halves: [Vector; 2],
+    axes: &[Vector; 3],
+    from: Vector,
+    margin: f64,
+) -> Option<Axis> {
+    let [a, b] = halves.map(|half| half.to_array());
+    let (t, r) = (from.to_array(), axes.map(|axis| axis.to_array()));
     let dot = |x: &[f64; 3], y: &[f64; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
     let size = r.map(|axis| axis.map(f64::abs));
     let mut best = (f64::NEG_INFINITY, 0.0, [0.0; 3], None);
     let tie = TIE * a[0].max(a[1]).max(a[2]).max(b[0]).max(b[1]).max(b[2]);
-    let mut try_axis = |separation: f64, along: f64, axis: [f64; 3], face| {
+    let try_axis = |best: &mut (_, _, _, _), separation: f64, along: f64, axis: [f64; 3], face| {
         if separation > best.0 + tie {
-            best = (separation, along, axis, face);
+            *best = (separation, along, axis, face);
         }
         separation <= margin
     };
@@ -49,23 +50,32 @@ pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<
         let reach = a[i] + (b[0] * size[0][i] + b[1] * size[1][i] + b[2] * size[2][i]);
         let mut axis = [0.0; 3];
         axis[i] = 1.0;
-        if !try_axis(t[i].abs() - reach, t[i], axis, Some(0)) {
+        if !try_axis(&mut best, t[i].abs() - reach, t[i], axis, Some(0)) {
             return None;
         }
     }
     for j in 0..3 {
         let along = dot(&t, &r[j]);
-        if !try_axis(along.abs() - (b[j] + dot(&a, &size[j])), along, r[j], Some(1)) {
+        if !try_axis(&mut best, along.abs() - (b[j] + dot(&a, &size[j])), along, r[j], Some(1)) {
             return None;
         }
     }
     for i in 0..3 {
         let (k, l) = ((i + 1) % 3, (i + 2) % 3);
         for edge in &r {
-            let sine = (edge[k] * edge[k] + edge[l] * edge[l]).sqrt();
-            if sine < PARALLEL {
+            let square = edge[k] * edge[k] + edge[l] * edge[l];
+            if square < PARALLEL * PARALLEL {
                 continue;
             }
+            // What is far less than the best, before it is known to all digits.
+            let reach = |r: &[f64; 3]| (edge[k] * r[l] - edge[l] * r[k]).abs();
+            let second = b[0] * reach(&r[0]) + b[1] * reach(&r[1]) + b[2] * reach(&r[2]);
+            let first = a[k] * edge[l].abs() + a[l] * edge[k].abs();
+            let most = reach(&t) - (first + second) + tie;
+            if most < 0.0 && (best.0 >= 0.0 || most * most > best.0 * best.0 * square) {
+                continue;
+            }
+            let sine = square.sqrt();
             let mut n = [0.0; 3];
             (n[k], n[l]) = (-edge[l] / sine, edge[k] / sine);
             // Not by the components of `edge` again: nearly parallel, they have lost their digits.
@@ -73,7 +83,7 @@ pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<
             let second = b[0] * reach(&r[0]) + b[1] * reach(&r[1]) + b[2] * reach(&r[2]);
             let along = n[k] * t[k] + n[l] * t[l];
             let first = a[k] * n[k].abs() + a[l] * n[l].abs();
-            if !try_axis(along.abs() - (first + second), along, n, None) {
+            if !try_axis(&mut best, along.abs() - (first + second), along, n, None) {
                 return None;
             }
         }
@@ -86,6 +96,7 @@ pub(crate) fn farthest(halves: [Vector; 2], pose: &Pose, margin: f64) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use parry3d_f64::math::Pose;
     use parry3d_f64::query::sat;
     use parry3d_f64::shape::Cuboid;
     use stationary_measure::SplitMix64;
@@ -101,7 +112,8 @@ mod tests {
             };
             let halves = [three(0.4, 0.6), three(0.4, 0.6)];
             let pose = Pose::new(three(1.6, 0.0), three(2.0, 0.0));
-            let axis = farthest(halves, &pose, f64::INFINITY).unwrap();
+            let axes = [Vector::X, Vector::Y, Vector::Z].map(|axis| pose.rotation * axis);
+            let axis = farthest(halves, &axes, pose.translation, f64::INFINITY).unwrap();
             let corners = |half: Vector| {
                 (0..8).map(move |k: u32| {
                     let sign = |bit: u32| if k & bit == 0 { 1.0 } else { -1.0 };

@@ -11,7 +11,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use stationary_calculus::SizeError;
+use stationary_calculus::{SizeError, array};
 use stationary_rigid::LieGroup;
 
 use crate::detect::broad_phase::BroadPhase;
@@ -42,6 +42,8 @@ pub struct DetectorIn<G: Dimension> {
     pairs: Vec<(usize, usize)>,
     pub(super) room: G::Room,
     pub(super) facing: Vec<Facing<G::Vector>>,
+    /// Their numbers, sorted by what they are called.
+    order: Vec<usize>,
     /// Which of these are a neighbour's.
     covered: Vec<bool>,
     contacts: Vec<ContactIn<G>>,
@@ -111,6 +113,7 @@ impl<G: Dimension> DetectorIn<G> {
             pairs: Vec::new(),
             room: G::Room::default(),
             facing: Vec::new(),
+            order: Vec::new(),
             covered: Vec::new(),
             contacts: Vec::new(),
             colliders,
@@ -381,19 +384,21 @@ impl<G: Dimension> DetectorIn<G> {
         let size: f64 =
             pair.iter().filter_map(|&i| self.colliders[i].body()).map(|b| self.radii[b]).sum();
         let near = (COINCIDENT * size).powi(2);
-        for k in 0..self.facing.len() {
-            let contact = self.point(pair, &placed, &self.facing[k]);
+        let met = self.met(pair, &placed);
+        let Self { facing, order, contacts, .. } = self;
+        order.clear();
+        order.extend(0..facing.len());
+        order.sort_unstable_by_key(|&k| (facing[k].parts, facing[k].features, k));
+        for contact in order.iter().map(|&k| met.point(&facing[k])) {
+            // Pairs come sorted; so do the contacts, as those of each pair are.
             let same = |other: &ContactIn<G>| coincide(other, &contact, near);
-            match self.contacts[first..].iter().position(same) {
-                None => self.contacts.push(contact),
-                Some(place) if contact.gap < self.contacts[first + place].gap => {
-                    self.contacts[first + place] = contact;
-                }
-                Some(_) => {}
+            match contacts[first..].iter().position(same) {
+                Some(place) if contact.gap >= contacts[first + place].gap => continue,
+                Some(place) => drop(contacts.remove(first + place)),
+                None => {}
             }
+            contacts.push(contact);
         }
-        // Pairs come sorted; so do the contacts, once those of each pair are.
-        self.contacts[first..].sort_by_key(|contact| contact.id);
         Ok(answer)
     }
 
@@ -429,28 +434,52 @@ impl<G: Dimension> DetectorIn<G> {
         }
     }
 
-    #[inline]
-    pub(super) fn point(
-        &self,
-        pair: [usize; 2],
-        placed: &[G::Motion; 2],
-        facing: &Facing<G::Vector>,
-    ) -> ContactIn<G> {
-        let (first, second) = (&self.colliders[pair[0]], &self.colliders[pair[1]]);
-        let [one, other] = &facing.points;
-        let points = [G::apply(&placed[0], one), G::apply(&placed[1], other)];
-        let arms = [G::apply(&first.place, one), G::apply(&second.place, other)];
-        let combined = || {
+    /// What all contacts of a pair share.
+    pub(super) fn met(&self, pair: [usize; 2], placed: &[G::Motion; 2]) -> MetPair<G> {
+        let [first, second] = pair.map(|i| &self.colliders[i]);
+        let own = || {
             [first.restitution.min(second.restitution), (first.friction * second.friction).sqrt()]
         };
-        let [restitution, friction] = self.surfaces.get(&pair).copied().unwrap_or_else(combined);
-        ContactIn {
-            id: facing.id(pair),
+        let place = |motion: &G::Motion| (G::frame(motion), G::translation(motion));
+        MetPair {
+            colliders: pair,
             bodies: [first.body(), second.body()],
+            placed: placed.each_ref().map(place),
+            own: [place(&first.place), place(&second.place)],
+            surface: self.surfaces.get(&pair).copied().unwrap_or_else(own),
+        }
+    }
+}
+
+/// What all contacts of a pair share.
+pub(super) struct MetPair<G: Dimension> {
+    colliders: [usize; 2],
+    bodies: [Option<usize>; 2],
+    /// Where the shapes are, and where in their bodies.
+    placed: [(G::Frame, G::Vector); 2],
+    own: [(G::Frame, G::Vector); 2],
+    /// Restitution and friction.
+    surface: [f64; 2],
+}
+
+impl<G: Dimension> MetPair<G> {
+    /// The contact where two points face each other.
+    #[inline]
+    pub(super) fn point(&self, facing: &Facing<G::Vector>) -> ContactIn<G> {
+        let at = |places: &[(G::Frame, G::Vector); 2]| {
+            array(|side| {
+                let (frame, from) = &places[side];
+                G::rotate(frame, &facing.points[side]) + *from
+            })
+        };
+        let [restitution, friction] = self.surface;
+        ContactIn {
+            id: facing.id(self.colliders),
+            bodies: self.bodies,
             gap: facing.gap,
-            normal: G::turn(&placed[0], &facing.normal),
-            points,
-            arms,
+            normal: G::rotate(&self.placed[0].0, &facing.normal),
+            points: at(&self.placed),
+            arms: at(&self.own),
             restitution,
             friction,
         }

@@ -20,16 +20,18 @@ use nalgebra::Vector3;
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry3d_f64::shape::{Cuboid, PackedFeatureId, PolygonalFeature};
+use parry3d_f64::shape::{Cuboid, PackedFeatureId};
 
 use crate::Shape;
 use crate::detect::box_axes::farthest;
+use crate::detect::box_faces::{Face, share};
 use crate::detect::polytope_point::{Nearest, nearest};
 use crate::detect::polytopes;
 use crate::detect::round_contacts::{self, Body};
 use crate::shapes::convert::{from_vector, vector};
 use crate::shapes::dimension::{Answer, Facing};
 use crate::shapes::polytope::Polytope;
+use crate::shapes::shape::WideBox;
 use crate::shapes::solid::Solid;
 
 type Manifold = ContactManifold<(), ()>;
@@ -38,7 +40,6 @@ type Manifold = ContactManifold<(), ()>;
 #[derive(Default)]
 pub struct Manifolds {
     found: Vec<Manifold>,
-    one: Manifold,
     polytopes: polytopes::Room,
     triangle: Option<Polytope>,
     round: round_contacts::Room,
@@ -64,7 +65,7 @@ pub(crate) fn facing(
     found: &mut Vec<Facing<Vector3<f64>>>,
 ) -> Answer {
     let both = shapes.map(|shape| &**shape.geometry());
-    let Manifolds { found: manifolds, one, polytopes: space, triangle, round } = room;
+    let Manifolds { found: manifolds, polytopes: space, triangle, round } = room;
     if [0, 1].into_iter().any(|side| ball_facing(shapes, side, relative, margin, triangle, found)) {
         return Answer::Now;
     }
@@ -82,12 +83,9 @@ pub(crate) fn facing(
         return round_facing(shapes, relative, margin, round, triangle, found);
     }
     if let (Some(first), Some(wide)) = (both[0].as_cuboid(), shapes[1].wide()) {
-        match clip([first, &wide.cuboid], relative, margin, one) {
+        match clip(first, wide, relative, margin, found) {
             Clipped::Apart => return Answer::Now,
-            Clipped::Faces(answer) => {
-                append(one, wide.excess(one.local_n2), margin, found);
-                return answer;
-            }
+            Clipped::Faces(answer) => return answer,
             // Below, of their corners and edges.
             Clipped::Corners => {}
         }
@@ -129,7 +127,7 @@ pub(crate) fn facing(
     if dispatcher.contact_manifolds(relative, a, b, margin, manifolds, &mut None).is_err() {
         return Answer::None;
     }
-    manifolds.iter().for_each(|manifold| append(manifold, 0.0, margin, found));
+    manifolds.iter().for_each(|manifold| append(manifold, margin, found));
     let solid =
         |k: usize| both[k].as_cuboid().is_some() || both[k].as_convex_polyhedron().is_some();
     let plane = |&k: &usize| shapes[k].plane().is_some() && solid(1 - k);
@@ -305,25 +303,6 @@ fn on_plane(
     Some(Answer::Plane(side))
 }
 
-/// A power of two of the size of the smaller of two boxes, m: lengths are measured by it, to the
-/// same digits, where the library compares with absolute ones.
-fn unit_of(boxes: [&Cuboid; 2]) -> f64 {
-    let size = boxes.map(|cuboid| cuboid.half_extents.max_element());
-    2_f64.powi(size[0].min(size[1]).log2().round().clamp(-500.0, 500.0) as i32)
-}
-
-fn measured(pose: &Pose, per_unit: f64) -> Pose {
-    Pose { translation: pose.translation * per_unit, ..*pose }
-}
-
-fn in_metres(manifold: &mut Manifold, unit: f64) {
-    for point in &mut manifold.points {
-        point.local_p1 *= unit;
-        point.local_p2 *= unit;
-        point.dist *= unit;
-    }
-}
-
 /// What clipping the faces of two boxes against each other found.
 enum Clipped {
     /// They are farther apart than the margin.
@@ -334,63 +313,54 @@ enum Clipped {
     Corners,
 }
 
-/// Clips the faces of two boxes that look along the axis along which they are farthest apart.
-fn clip(boxes: [&Cuboid; 2], relative: &Pose, margin: f64, manifold: &mut Manifold) -> Clipped {
-    let halves = boxes.map(|cuboid| cuboid.half_extents);
-    let Some(axis) = farthest(halves, relative, margin) else { return Clipped::Apart };
+/// Appends the corners of what the faces of two boxes share that look along the axis along which they are farthest
+/// apart; the second box reaches farther than the shape.
+fn clip(
+    first: &Cuboid,
+    wide: &WideBox,
+    relative: &Pose,
+    margin: f64,
+    found: &mut Vec<Facing<Vector3<f64>>>,
+) -> Clipped {
+    let halves = [first.half_extents, wide.cuboid.half_extents];
+    let axes = [Vector::X, Vector::Y, Vector::Z].map(|axis| relative.rotation * axis);
+    let Some(axis) = farthest(halves, &axes, relative.translation, margin) else {
+        return Clipped::Apart;
+    };
     let n1 = axis.normal;
-    let back = relative.inverse();
-    let n2 = back.rotation * -n1;
-    let unit = unit_of(boxes);
-    // Exact, as the unit is a power of two.
-    let per_unit = unit.recip();
-    let mut faces = [boxes[0].support_feature(n1), boxes[1].support_feature(n2)];
-    faces.iter_mut().flat_map(|face| &mut face.vertices).for_each(|corner| *corner *= per_unit);
-    let [there, again] = [relative, &back].map(|pose| measured(pose, per_unit));
-    manifold.clear();
-    PolygonalFeature::contacts(&there, &again, n1, n2, &faces[0], &faces[1], manifold, false);
-    in_metres(manifold, unit);
-    (manifold.local_n1, manifold.local_n2) = (n1, n2);
-    straighten(manifold, boxes, relative, &back);
-    if deepest(manifold) > axis.separation + LOST * halves[0].max(halves[1]).max_element() {
+    let seen = |direction: Vector| Vector::from_array(axes.map(|axis| axis.dot(direction)));
+    let n2 = seen(-n1);
+    let faces = [
+        Face::of(halves[0], &[Vector::X, Vector::Y, Vector::Z], Vector::ZERO, n1, n1),
+        Face::of(halves[1], &axes, relative.translation, n2, n1),
+    ];
+    let (before, mut deepest) = (found.len(), f64::INFINITY);
+    let (normal, narrower) = (from_vector(n1), wide.excess(n2));
+    share(faces.each_ref(), n1, |features, [on_first, on_second], gap| {
+        deepest = deepest.min(gap);
+        if gap + narrower <= margin {
+            let on_second = seen(on_second - relative.translation);
+            let points = [from_vector(on_first), from_vector(on_second)];
+            found.push(Facing { parts: [0; 2], features, points, normal, gap: gap + narrower });
+        }
+    });
+    if deepest > axis.separation + LOST * halves[0].max(halves[1]).max_element() {
+        found.truncate(before);
         return Clipped::Corners;
     }
     Clipped::Faces(axis.face.map_or(Answer::Now, Answer::Plane))
 }
 
-/// Moves one of two points that face each other until they do so along the normal: where nearly parallel
-/// edges cross, rounding puts each at another place along its own edge. The one moves that stays in its box.
-fn straighten(manifold: &mut Manifold, boxes: [&Cuboid; 2], relative: &Pose, back: &Pose) {
-    let n = manifold.local_n1;
-    let outside = |k: usize, x: Vector| (x.abs() - boxes[k].half_extents).max_element().max(0.0);
-    for point in &mut manifold.points {
-        let second = relative * point.local_p2;
-        let off = second - point.local_p1;
-        let across = off - n * off.dot(n);
-        let moved = [point.local_p1 + across, back * (second - across)];
-        if outside(0, moved[0]) <= outside(1, moved[1]) {
-            point.local_p1 = moved[0];
-        } else {
-            point.local_p2 = moved[1];
-        }
-    }
-}
-
-/// The least gap of a manifold's points.
-fn deepest(manifold: &Manifold) -> f64 {
-    manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min)
-}
-
-/// Appends the points of a manifold whose gaps are larger by `narrower` than it says.
-fn append(manifold: &Manifold, narrower: f64, margin: f64, found: &mut Vec<Facing<Vector3<f64>>>) {
+/// Appends the points of a manifold.
+fn append(manifold: &Manifold, margin: f64, found: &mut Vec<Facing<Vector3<f64>>>) {
     let parts = [manifold.subshape1, manifold.subshape2];
     let normal = from_vector(manifold.local_n1);
-    let near = manifold.points.iter().filter(|point| point.dist + narrower <= margin);
+    let near = manifold.points.iter().filter(|point| point.dist <= margin);
     found.extend(near.map(|point| Facing {
         parts,
         features: [point.fid1.0, point.fid2.0],
         points: [from_vector(point.local_p1), from_vector(point.local_p2)],
         normal,
-        gap: point.dist + narrower,
+        gap: point.dist,
     }));
 }

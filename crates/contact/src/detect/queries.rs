@@ -99,7 +99,7 @@ impl<G: Dimension> DetectorIn<G> {
         let nearest = self.facing.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
         let [first, second] = shapes.map(G::name);
         let nearest = nearest.ok_or(ContactError::NoQuery { first, second })?;
-        Ok(self.point(pair, &placed, nearest))
+        Ok(self.met(pair, &placed).point(nearest))
     }
 
     /// The colliders, sensors among them, that a shape at a place overlaps or touches, in their order.

@@ -139,6 +139,13 @@ pub trait Dimension: sealed::Sealed + Copy + Debug + PartialEq + 'static {
         Self::join(frame, direction, &Self::torque(arm, direction))
     }
 
+    /// The same, with the arm and the direction as the body sees them beside that in world axes.
+    fn seen_row(
+        arm: &Self::Vector,
+        direction: &Self::Vector,
+        seen: &Self::Vector,
+    ) -> Self::Velocity;
+
     /// One over the roots of masses and moments, for each body.
     fn scales(metric: &Self::Metric) -> Vec<Self::Velocity>;
 

@@ -131,6 +131,11 @@ impl Dimension for Planar {
     }
 
     #[inline]
+    fn seen_row(arm: &Vector2<f64>, direction: &Vector2<f64>, seen: &Vector2<f64>) -> [f64; 3] {
+        [direction.x, direction.y, Self::torque(arm, seen)]
+    }
+
+    #[inline]
     fn join(_: &PlanarRotation, linear: &Vector2<f64>, spin: &f64) -> [f64; 3] {
         [linear.x, linear.y, *spin]
     }

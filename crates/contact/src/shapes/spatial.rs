@@ -143,6 +143,12 @@ impl Dimension for Spatial {
     }
 
     #[inline]
+    fn seen_row(arm: &Vector3<f64>, direction: &Vector3<f64>, seen: &Vector3<f64>) -> [f64; 6] {
+        let spin = arm.cross(seen);
+        [direction.x, direction.y, direction.z, spin.x, spin.y, spin.z]
+    }
+
+    #[inline]
     fn join(frame: &Matrix3<f64>, linear: &Vector3<f64>, spin: &Vector3<f64>) -> [f64; 6] {
         let spin = frame.tr_mul(spin);
         [linear.x, linear.y, linear.z, spin.x, spin.y, spin.z]

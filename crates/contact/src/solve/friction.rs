@@ -127,6 +127,7 @@ mod tests {
 
     use super::*;
     use crate::solve::body_state::BodyState;
+    use crate::solve::rigid_contact::Directions;
     use crate::{
         ContactId, ContactPoint, ContactRows, Dimension, Impact, InverseMass, Spatial, project,
     };
@@ -151,7 +152,7 @@ mod tests {
         let states = [BodyState::<Spatial>::new(0, scale, &q, &velocity)];
         let directions = Spatial::directions(&point.normal);
         let mut contact = RigidContact::NONE;
-        contact.set(&point, &directions, 0.0, &states);
+        contact.set(&point, &Directions::of(directions, &point, &states), 0.0, &states);
         let (mut x, mut w) = ([0.0; 3], [[0.0; 6]; 2]);
         contact.relax(&mut x, &mut w);
         let after = [0, 1, 2].map(|k| v[k] + scale[k] * w[0][k]);

@@ -17,7 +17,7 @@ use crate::solve::body_state::BodyState;
 use crate::solve::exact_projection::{FreeMotion, Room};
 use crate::solve::friction::into_cone;
 use crate::solve::polish::Polish;
-use crate::solve::rigid_contact::RigidContact;
+use crate::solve::rigid_contact::{Directions, RigidContact};
 use crate::solve::sweeps::{AMPLIFICATION, Goal, Island, Sweeps};
 use crate::solve::unsettled_parts::UnsettledParts;
 use crate::{ContactError, ContactIn, Dimension, WorldReport};
@@ -63,13 +63,9 @@ pub trait SolvesIslands<G: Dimension>: Debug + Default {
 /// The contacts of the islands of a step, packed, and the impulses of one.
 #[derive(Debug)]
 pub struct IslandSolver<V, const F: usize, const D: usize> {
-    /// Room for contacts, so many of them packed.
+    /// Room for contacts, so many of them packed: one island after another in the same place, which stays near.
     contacts: Vec<RigidContact<F, D>>,
     packed: usize,
-    /// Where those of each island that was solved begin, by the number of its first, in ascending order.
-    begin: Vec<(usize, usize)>,
-    /// Where those of the island in question begin.
-    from: usize,
     directions: Vec<[V; D]>,
     x: Vec<[f64; D]>,
     sweeps: Sweeps<F, D>,
@@ -84,8 +80,6 @@ impl<V, const F: usize, const D: usize> Default for IslandSolver<V, F, D> {
         IslandSolver {
             contacts: Vec::new(),
             packed: 0,
-            begin: Vec::new(),
-            from: 0,
             directions: Vec::new(),
             x: Vec::new(),
             sweeps: Sweeps::default(),
@@ -164,8 +158,6 @@ macro_rules! solves_islands {
         impl SolvesIslands<$dimension> for IslandSolver<$vector, $freedoms, $directions> {
             fn start(&mut self, bodies: usize) {
                 self.sweeps.start(bodies);
-                self.packed = 0;
-                self.begin.clear();
             }
 
             fn solve(
@@ -205,7 +197,7 @@ solves_islands!(crate::Spatial, nalgebra::Vector3<f64>, 6, 3);
 
 impl<V, const F: usize, const D: usize> IslandSolver<V, F, D>
 where
-    V: Copy + Debug + PartialEq + Add<Output = V> + Mul<f64, Output = V>,
+    V: Copy + Debug + Default + PartialEq + Add<Output = V> + Mul<f64, Output = V>,
 {
     fn solve_contacts<G>(
         &mut self,
@@ -219,7 +211,6 @@ where
     {
         let Conditions { free, states, within } = conditions;
         self.pack::<G>(members, free.points, free.bias, states)?;
-        self.begin.extend(members.first().map(|&first| (first, self.from)));
         self.x.clear();
         for (&i, directions) in members.iter().zip(&self.directions) {
             let guess: [f64; D] = array(|k| G::dot(&impulses[i], &directions[k]));
@@ -227,7 +218,7 @@ where
             self.x.push(into_cone(guess, free.points[i].friction));
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
-        let island = Island { contacts: &self.contacts[self.from..self.packed], bodies };
+        let island = Island { contacts: &self.contacts[..self.packed], bodies };
         sweeps.push(island, x);
         let settled = within.settled;
         let rubs = |(contact, x): (&RigidContact<F, D>, &[f64; D])| {
@@ -251,6 +242,8 @@ where
             report.projected += 1;
             left = sweeps.residuals(island, x);
         }
+        // What sweeps alone have settled in a pile has been looked at already.
+        let mut looked = None;
         if !met(&left) {
             let [relaxed, solved] = match within.of_pile {
                 true => self.settle_of_pile(bodies, within),
@@ -258,13 +251,19 @@ where
             };
             report.relaxed += relaxed;
             report.solved += solved;
+            looked =
+                self.parts.left.filter(|_| within.of_pile && within.fine.is_none() && solved == 0);
         }
         let (x, sweeps) = (&mut self.x, &mut self.sweeps);
-        let island = Island { contacts: &self.contacts[self.from..self.packed], bodies };
+        let island = Island { contacts: &self.contacts[..self.packed], bodies };
         if members.len() <= POLISHED && unequal::<G>(bodies, states) {
             report.solved += self.polish.refine(sweeps, island, x);
         }
-        let mut left = sweeps.conclude(island, x);
+        let mut left = looked.unwrap_or_else(|| sweeps.conclude(island, x));
+        if looked.is_some() {
+            let contacts = x.iter_mut().zip(island.contacts);
+            contacts.for_each(|(x, contact)| *x = into_cone(*x, contact.friction));
+        }
         if within.of_pile && left.iter().any(|left| *left > within.reached) {
             report.solved += self.polish.polish(sweeps, island, x, (SMALL, within.reached));
             left = sweeps.conclude(island, x);
@@ -300,12 +299,8 @@ where
     where
         G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
     {
-        let known = |first| self.begin.binary_search_by_key(first, |(first, _)| *first).ok();
-        match members.first().and_then(known) {
-            Some(island) => self.from = self.begin[island].1,
-            None => self.pack::<G>(members, points, bias, states)?,
-        }
-        let contacts = &mut self.contacts[self.from..][..members.len()];
+        self.pack::<G>(members, points, bias, states)?;
+        let contacts = &mut self.contacts[..self.packed];
         for (contact, &i) in contacts.iter_mut().zip(members) {
             contact.friction = 0.0;
             contact.offset = [0.0; D];
@@ -347,12 +342,12 @@ pub(crate) fn unequal<G: Dimension>(bodies: &[usize], states: &[BodyState<G>]) -
     most * most > MASS_RATIO * least * least
 }
 
-impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> {
+impl<V: Copy + Default + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> {
     /// Settles an island of a pile as far as asked, and what nearly rests a little finer in every step, until it
     /// rests; says how many contacts were relaxed, and how many systems solved.
     fn settle_of_pile(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, packed, from, x, sweeps, parts, .. } = self;
-        let island = Island { contacts: &contacts[*from..*packed], bodies };
+        let IslandSolver { contacts, packed, x, sweeps, parts, .. } = self;
+        let island = Island { contacts: &contacts[..*packed], bodies };
         let Within { settled, reached, fine, .. } = within;
         let held = fine.map_or(0, |change| sweeps.hold(island, x, change));
         let goal = match fine {
@@ -371,8 +366,8 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     /// Settles an island whose work need not be shared: to rounding where it is small, and by all means where
     /// what is left is more than asked.
     fn settle_alone(&mut self, bodies: &[usize], within: Within) -> [usize; 2] {
-        let IslandSolver { contacts, packed, from, x, sweeps, parts, polish, .. } = self;
-        let island = Island { contacts: &contacts[*from..*packed], bodies };
+        let IslandSolver { contacts, packed, x, sweeps, parts, polish, .. } = self;
+        let island = Island { contacts: &contacts[..*packed], bodies };
         let n = island.contacts.len();
         let Within { settled, enough, still, reached, fine, .. } = within;
         let met = |left: &[f64; 2]| left.iter().all(|left| *left <= fine.unwrap_or(settled));
@@ -428,7 +423,7 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
     where
         G: Dimension<Vector = V, Velocity = [f64; F], Directions = [V; D]>,
     {
-        (self.from, self.packed) = (self.packed, self.packed + members.len());
+        self.packed = members.len();
         self.directions.clear();
         for &i in members {
             let normal = &points[i].normal;
@@ -440,8 +435,17 @@ impl<V: Copy + PartialEq, const F: usize, const D: usize> IslandSolver<V, F, D> 
         if self.contacts.len() < self.packed {
             self.contacts.resize(self.packed, RigidContact::NONE);
         }
-        let contacts = &mut self.contacts[self.from..self.packed];
-        for ((contact, &i), directions) in contacts.iter_mut().zip(members).zip(&self.directions) {
+        let contacts = &mut self.contacts[..self.packed];
+        let mut shared: Option<(usize, Directions<V, D>)> = None;
+        for ((contact, &i), &world) in contacts.iter_mut().zip(members).zip(&self.directions) {
+            // Points of two faces have the same directions.
+            let same = |j: usize| {
+                points[j].bodies == points[i].bodies && points[j].normal == points[i].normal
+            };
+            let directions = match &shared {
+                Some((j, directions)) if same(*j) => directions,
+                _ => &shared.insert((i, Directions::of(world, &points[i], states))).1,
+            };
             contact.set(&points[i], directions, bias[i], states);
             if !contact.moves() {
                 return Err(ContactError::Immovable { contact: i });

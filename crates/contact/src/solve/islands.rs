@@ -22,7 +22,7 @@ pub(crate) struct Islands {
 
 /// Numbers sorted by what they belong to.
 #[derive(Debug, Default)]
-pub(crate) struct Sorted {
+struct Sorted {
     starts: Vec<usize>,
     members: Vec<usize>,
 }
@@ -69,7 +69,7 @@ impl Islands {
 impl Sorted {
     /// Sorts the numbers of these by what they belong to, in ascending order; what belongs to none of so many is
     /// left out.
-    pub(crate) fn sort(&mut self, groups: usize, of: &[usize]) {
+    fn sort(&mut self, groups: usize, of: &[usize]) {
         self.starts.clear();
         self.starts.resize(groups + 1, 0);
         of.iter().filter(|&&of| of < groups).for_each(|&of| self.starts[of] += 1);
@@ -87,12 +87,6 @@ impl Sorted {
         // Each start has moved on to the next one.
         self.starts.rotate_right(1);
         self.starts[0] = 0;
-    }
-
-    /// The numbers of one.
-    #[inline]
-    pub(crate) fn of(&self, group: usize) -> &[usize] {
-        &self.members[self.starts[group]..self.starts[group + 1]]
     }
 
     #[inline]

@@ -30,6 +30,28 @@ pub(crate) struct RigidContact<const F: usize, const D: usize> {
     rows: [[[f64; F]; D]; 2],
 }
 
+/// The directions of a contact, the normal first: in world axes, and as each body sees them.
+#[derive(Clone, Copy)]
+pub(crate) struct Directions<V, const D: usize> {
+    world: [V; D],
+    seen: [[V; D]; 2],
+}
+
+impl<V: Copy + Default, const D: usize> Directions<V, D> {
+    /// Those of a contact between bodies in these states.
+    #[inline]
+    pub(crate) fn of<G>(world: [V; D], point: &ContactIn<G>, states: &[BodyState<G>]) -> Self
+    where
+        G: Dimension<Vector = V>,
+    {
+        let seen = point.bodies.map(|body| match body {
+            Some(body) => world.map(|direction| G::rotate_back(&states[body].frame, &direction)),
+            None => [V::default(); D],
+        });
+        Directions { world, seen }
+    }
+}
+
 /// The symmetric matrix `W` of a contact, and what is divided by it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Compliance<const D: usize> {
@@ -99,7 +121,7 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
     pub(crate) fn set<G>(
         &mut self,
         point: &ContactIn<G>,
-        directions: &[G::Vector; D],
+        directions: &Directions<G::Vector, D>,
         bias: f64,
         states: &[BodyState<G>],
     ) where
@@ -115,9 +137,10 @@ impl<const F: usize, const D: usize> RigidContact<F, D> {
                 continue;
             };
             let state = &states[body];
-            let arm = G::rotate(&state.frame, &point.arms[side]);
-            for (k, direction) in directions.iter().enumerate() {
-                let row = G::row(&state.frame, &arm, &(*direction * sign));
+            let arm = point.arms[side] * sign;
+            for k in 0..D {
+                let along = directions.world[k] * sign;
+                let row = G::seen_row(&arm, &along, &directions.seen[side][k]);
                 self.offset[k] += dot(&row, &state.velocity);
                 self.rows[side][k] = array(|f| row[f] * state.scale[f]);
             }

@@ -6,7 +6,7 @@
 //! ln(s/max_i |dx_i|)/ln r < n,   r = |dx|/|dx before|                   where sweeps alone will do
 //! ```
 //! `x` the impulses of the island, `|.|` in the norm of their compliance, `dx` what a sweep
-//! changes, `s` what counts as settled, `n` 30, and 100 in a pile that moves. Sweeps find the active,
+//! changes, `s` what counts as settled, `n` 30, and 200 in a pile that moves. Sweeps find the active,
 //! sticking and sliding sets, and how far the conditions are from being met, but carry far only
 //! slowly: a column that rocks takes hundreds of them. Proximal steps carry far at once (see
 //! [`Proximal`]), the farther the closer `x` is already, and cost as much as dozens of sweeps; what
@@ -49,7 +49,9 @@ pub(crate) const SYSTEM_COST: usize = 8;
 /// A proximal step takes as long as so many sweeps.
 const PROXIMAL_COST: f64 = 30.0;
 /// In a pile that moves it is worth so many: most of what is unsettled has just landed, and settles in its place.
-const SWEEPS_IN_PILE: f64 = 100.0;
+const PROXIMAL_COST_IN_PILE: f64 = 200.0;
+/// There unsettled parts are taken one by one where sweeps over all of them would be more than this.
+const TOGETHER_IN_PILE: f64 = 50.0;
 
 /// Energy given by impulses that is rounding, relative to theirs.
 pub(crate) const ENERGY_ROUNDING: f64 = 1e-9;
@@ -95,7 +97,7 @@ impl Goal {
 
     /// What moves in a pile is asked for few digits.
     pub(crate) fn in_pile(change: f64, residual: f64) -> Self {
-        Goal { change, residual, alone: SWEEPS_IN_PILE, together: SWEEPS_IN_PILE }
+        Goal { change, residual, alone: PROXIMAL_COST_IN_PILE, together: TOGETHER_IN_PILE }
     }
 
     /// What is lifted in a pile is swept alone: the pattern of a large system would be found twice a step.
@@ -182,16 +184,17 @@ impl<const F: usize, const D: usize> Sweeps<F, D> {
     }
 
     /// How far the conditions of each contact are from being met, m/s, in the place of what a sweep changed there; says
-    /// the most.
-    pub(crate) fn look_at(&mut self, island: Island<F, D>, x: &[[f64; D]]) -> f64 {
+    /// the most of each kind.
+    pub(crate) fn look_at(&mut self, island: Island<F, D>, x: &[[f64; D]]) -> [f64; 2] {
         let Sweeps { w, changes, .. } = self;
-        let left = |(contact, x): (&RigidContact<F, D>, _)| {
-            let [normal, coulomb] = contact.residuals(x, w);
-            normal.max(coulomb)
-        };
         changes.clear();
-        changes.extend(island.contacts.iter().zip(x).map(left));
-        changes.iter().copied().fold(0.0, f64::max)
+        let mut most = [0.0_f64; 2];
+        changes.extend(island.contacts.iter().zip(x).map(|(contact, x)| {
+            let [normal, coulomb] = contact.residuals(x, w);
+            most = [most[0].max(normal), most[1].max(coulomb)];
+            normal.max(coulomb)
+        }));
+        most
     }
 
     /// Shortens impulses to a part of them.

@@ -13,32 +13,30 @@
 //! coordinates. At the end all conditions of the island are looked at, and those that are not met are swept
 //! next. Source: Bertsekas and Tsitsiklis 1989.
 
-use crate::solve::islands::{Islands, Sorted};
+use crate::solve::islands::Islands;
 use crate::solve::rigid_contact::RigidContact;
 use crate::solve::sweeps::{Goal, Island, SYSTEM_COST, Sweeps};
 
 /// The most sweeps over a part before what is around it is looked at again.
 const ROUND: usize = 8;
-/// The bits of a word.
-const BITS: usize = u64::BITS as usize;
 
 /// The parts of one island.
 #[derive(Debug, Default)]
 pub(crate) struct UnsettledParts<const F: usize, const D: usize> {
     /// The number of each body within the island; of what does not move, that of its bodies.
     number: Vec<usize>,
-    /// The bodies of each contact by these numbers, and the contacts of each body.
+    /// The bodies of each contact by these numbers.
     ends: Vec<[usize; 2]>,
-    of_body: Sorted,
-    /// Which bodies have changed, and which contacts are of these, a bit each.
+    /// Which bodies have changed; what does not move never has.
     changed: Vec<bool>,
-    near: Vec<u64>,
     /// The contacts that are swept over, in ascending order.
     around: Vec<usize>,
     /// Those of them that push, and how they hang together.
     chosen: Vec<usize>,
     parts: Islands,
     part: Part<F, D>,
+    /// How far the conditions are from being met at the end, m/s, if that was looked at and is enough.
+    pub(crate) left: Option<[f64; 2]>,
 }
 
 /// A part, as an island of its own.
@@ -65,6 +63,7 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         let (n, mut relaxed, mut solved) = (x.len(), 0, 0);
         let work = |relaxed: usize, solved: usize| relaxed.div_ceil(n) + SYSTEM_COST * solved;
         let mut last = f64::INFINITY;
+        self.left = None;
         self.number_bodies(island, sweeps.w.len() - 1);
         self.take_all();
         // Systems of a part count as if they were of the whole island: there is a bound all the same.
@@ -73,7 +72,12 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
             relaxed += self.around.len();
             if change.fastest <= settled {
                 // Small changes have added up: what is not met is swept next, and what is around it.
-                if residual == f64::INFINITY || sweeps.look_at(island, x) <= residual {
+                if residual == f64::INFINITY {
+                    break;
+                }
+                let left = sweeps.look_at(island, x);
+                if left.iter().all(|left| *left <= residual) {
+                    self.left = Some(left);
                     break;
                 }
                 self.take_all();
@@ -112,7 +116,7 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
 
     /// Numbers the bodies of an island, of so many.
     fn number_bodies(&mut self, island: Island<F, D>, bodies: usize) {
-        let UnsettledParts { number, ends, of_body, changed, near, .. } = self;
+        let UnsettledParts { number, ends, changed, .. } = self;
         let still = island.bodies.len();
         // What does not move comes behind all bodies; what is in other islands is asked for by none.
         number.resize(bodies + 1, still);
@@ -120,11 +124,8 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         island.bodies.iter().enumerate().for_each(|(i, &body)| number[body] = i);
         ends.clear();
         ends.extend(island.contacts.iter().map(|contact| contact.bodies.map(|b| number[b])));
-        of_body.sort(still, ends.as_flattened());
         changed.clear();
-        changed.resize(still, false);
-        near.clear();
-        near.resize(ends.len().div_ceil(BITS), 0);
+        changed.resize(still + 1, false);
     }
 
     /// All contacts are swept over.
@@ -136,7 +137,6 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
     /// Finds all contacts of bodies of those that the last sweep has changed by more than what counts as settled.
     fn look_around(&mut self, changes: &[f64], settled: f64) {
         self.changed.fill(false);
-        self.near.fill(0);
         for place in (0..changes.len()).filter(|&place| changes[place] > settled) {
             self.mark(self.around[place]);
         }
@@ -145,29 +145,22 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
 
     /// The bodies of a contact have changed.
     fn mark(&mut self, contact: usize) {
-        let UnsettledParts { ends, of_body, changed, near, .. } = self;
-        for body in ends[contact] {
-            if changed.get(body) == Some(&false) {
-                changed[body] = true;
-                // Each contact has two ends.
-                for touching in of_body.of(body).iter().map(|end| end / 2) {
-                    near[touching / BITS] |= 1 << (touching % BITS);
-                }
-            }
-        }
+        let UnsettledParts { ends, changed, .. } = self;
+        let still = changed.len() - 1;
+        ends[contact].into_iter().for_each(|body| changed[body] |= body < still);
     }
 
     /// Lists all contacts of bodies that have changed.
     fn gather(&mut self) {
-        let UnsettledParts { near, around, .. } = self;
+        let UnsettledParts { ends, changed, around, .. } = self;
         around.clear();
-        for (k, &word) in near.iter().enumerate() {
-            let mut left = word;
-            while left != 0 {
-                around.push(BITS * k + left.trailing_zeros() as usize);
-                left &= left - 1;
-            }
+        around.resize(ends.len(), 0);
+        let mut n = 0;
+        for (i, [a, b]) in ends.iter().enumerate() {
+            around[n] = i;
+            n += usize::from(changed[*a] | changed[*b]);
         }
+        around.truncate(n);
     }
 
     /// Finds the parts, and what is around them.
@@ -175,7 +168,7 @@ impl<const F: usize, const D: usize> UnsettledParts<F, D> {
         let UnsettledParts { ends, changed, around, chosen, parts, .. } = self;
         chosen.clear();
         chosen.extend(around.iter().filter(|&&i| x[i] != [0.0; D]));
-        parts.find(changed.len(), chosen.iter().map(|&member| ends[member]));
+        parts.find(changed.len() - 1, chosen.iter().map(|&member| ends[member]));
         (0..self.chosen.len()).for_each(|k| self.mark(self.chosen[k]));
         self.gather();
     }
@@ -188,6 +181,7 @@ mod tests {
 
     use super::*;
     use crate::solve::body_state::BodyState;
+    use crate::solve::rigid_contact::Directions;
     use crate::{ContactId, ContactPoint, Dimension, Spatial};
 
     const SETTLED: f64 = 1e-9;
@@ -219,7 +213,8 @@ mod tests {
                 friction: 0.0,
             };
             let mut contact = RigidContact::NONE;
-            contact.set(&point, &Spatial::directions(&point.normal), 0.0, &states);
+            let directions = Spatial::directions(&point.normal);
+            contact.set(&point, &Directions::of(directions, &point, &states), 0.0, &states);
             contact
         };
         let contacts: Vec<_> = (0..before.len() - 1).map(contact).collect();

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! g = g0 + n.(x2 - x1) - n0.(x20 - x10)     corners against a plane that has the normal n
-//! kept while |t - t0| <= 1e-6 r and |R - R0| <= 1e-6
+//! kept while |t - t0| <= e r and |R - R0| <= e              e = 1e-6, in a pile 1e-4
 //! ```
 //! `x1 x2` the points that face each other, fixed in their bodies; `n` fixed in the body whose face
 //! it is the normal of; `t` and `R` the pose of the second body as seen from the first, with zeros
-//! where the points were found; `r` the smaller radius (m). A corner's distance from a plane is
+//! where the points were found; `r` the smaller radius (m). A pile whose conditions are met to a part of a step's
+//! weight asks for no more of its normals. A corner's distance from a plane is
 //! exact however far they have moved: what the bound limits is how far points may have slid past
 //! edges, and by how much another face may have become the nearest. Pairs that face each other
 //! otherwise, and those that moved on, are asked for afresh.
@@ -23,7 +24,10 @@ use crate::solve::body_state::BodyState;
 use crate::{ContactError, ContactIn, DetectorIn, Dimension};
 
 /// How far bodies may move against each other, as a part of the smaller radius, and turn, radians.
-const MOVED: f64 = 1e-6;
+pub(crate) const MOVED: f64 = 1e-6;
+/// The same in a pile that is asked for nothing: at a metre a second normals that lean by this leave a tenth of a
+/// millimetre a second, where a step of a millisecond leaves two and a half millimetres.
+pub(crate) const MOVED_IN_PILE: f64 = 1e-4;
 /// Pairs are asked for up to this many times the margin, so that a margin may grow a little.
 const WIDER: f64 = 1.5;
 /// Boxes are compared up to this many times the margin, so that rounding loses no pair.
@@ -38,12 +42,14 @@ pub(crate) struct ContactCache<G: Dimension> {
     last: Vec<KeptPair<G>>,
     spare: Vec<Vec<KeptPoint<G>>>,
     found: Vec<ContactIn<G>>,
+    /// How far bodies may move now.
+    pub(crate) moved: f64,
 }
 
 impl<G: Dimension> Default for ContactCache<G> {
     fn default() -> Self {
         let (pairs, last, spare) = (Vec::new(), Vec::new(), Vec::new());
-        ContactCache { pairs, last, spare, found: Vec::new() }
+        ContactCache { pairs, last, spare, found: Vec::new(), moved: MOVED }
     }
 }
 
@@ -55,8 +61,8 @@ struct KeptPair<G: Dimension> {
     relative: G::Motion,
     /// Up to which gap they were found, m.
     margin: f64,
-    /// How far the bodies may move from there, m.
-    bound: f64,
+    /// The smaller radius of its bodies, m.
+    radius: f64,
     /// In whose axes the normals are.
     side: usize,
     points: Vec<KeptPoint<G>>,
@@ -101,11 +107,12 @@ impl<'a, G: Dimension> Two<'a, G> {
 }
 
 impl<G: Dimension> KeptPair<G> {
-    /// Whether its points serve at the poses of now, up to a margin.
+    /// Whether its points serve at the poses of now, up to a margin, where bodies may move so far.
     #[inline]
-    fn serves(&self, now: &G::Motion, margin: f64) -> bool {
+    fn serves(&self, now: &G::Motion, margin: f64, most: f64) -> bool {
         let [moved, turned] = G::apart(now, &self.relative);
-        turned <= MOVED && moved <= self.bound && margin + 4.0 * self.bound <= self.margin
+        let bound = most * self.radius;
+        turned <= most && moved <= bound && margin + 4.0 * bound <= self.margin
     }
 
     /// Appends its contacts within a margin as they are now; says whether there are any.
@@ -171,7 +178,7 @@ impl<G: Dimension> ContactCache<G> {
             let two = Two::of(bodies, states, q);
             let margin = of(bodies[0]) + of(bodies[1]);
             if let Some(kept) = last.next_if(|kept| kept.colliders == [a, b]) {
-                if kept.serves(&two.relative, margin) {
+                if kept.serves(&two.relative, margin, self.moved) {
                     match kept.append(&two, margin, &mut self.found) {
                         true => self.pairs.push(kept),
                         false => spare.push(kept.points),
@@ -181,7 +188,8 @@ impl<G: Dimension> ContactCache<G> {
                 spare.push(kept.points);
             }
             let points = spare.pop().unwrap_or_default();
-            let (found, lasts) = find(detector, [a, b], two.relative, margin, points)?;
+            let wide = WIDER * margin + 4.0 * self.moved * radius(detector, [a, b]);
+            let (found, lasts) = find_within(detector, [a, b], two.relative, wide, points)?;
             if found.append(&two, margin, &mut self.found) && lasts {
                 self.pairs.push(found);
             } else {
@@ -246,24 +254,13 @@ fn read<G: Dimension>(numbers: &[f64], detector: &mut DetectorIn<G>) -> Option<K
     (lasts && !pair.points.is_empty()).then_some(pair)
 }
 
-/// The points of a pair a little beyond a margin, and whether they may be kept.
-fn find<G: Dimension>(
-    detector: &mut DetectorIn<G>,
-    colliders: [usize; 2],
-    relative: G::Motion,
-    margin: f64,
-    points: Vec<KeptPoint<G>>,
-) -> Result<(KeptPair<G>, bool), ContactError> {
-    let wide = WIDER * margin + 4.0 * bound(detector, colliders);
-    find_within(detector, colliders, relative, wide, points)
-}
-
-/// How far the bodies of two colliders may move against each other, m.
-fn bound<G: Dimension>(detector: &DetectorIn<G>, colliders: [usize; 2]) -> f64 {
+/// The smaller radius of the bodies of two colliders, m.
+fn radius<G: Dimension>(detector: &DetectorIn<G>, colliders: [usize; 2]) -> f64 {
     let bodies = colliders.iter().filter_map(|&i| detector.colliders()[i].body());
-    MOVED * bodies.map(|body| detector.radius_of(body)).fold(f64::INFINITY, f64::min)
+    bodies.map(|body| detector.radius_of(body)).fold(f64::INFINITY, f64::min)
 }
 
+/// The points of a pair within a margin, and whether they may be kept.
 fn find_within<G: Dimension>(
     detector: &mut DetectorIn<G>,
     colliders: [usize; 2],
@@ -271,22 +268,21 @@ fn find_within<G: Dimension>(
     margin: f64,
     mut points: Vec<KeptPoint<G>>,
 ) -> Result<(KeptPair<G>, bool), ContactError> {
-    let bound = bound(detector, colliders);
+    let radius = radius(detector, colliders);
     let (answer, found) = detector.meet_alone(colliders, &relative, margin)?;
     let (side, lasts) = match answer {
         Answer::Plane(side) => (side, true),
         Answer::Now | Answer::None => (0, false),
     };
-    let seen = if side == 0 { G::Motion::identity() } else { relative };
-    let seen = G::frame(&seen);
+    let seen = G::frame(&relative);
     points.clear();
     points.extend(found.iter().map(|point| {
         let [from, to] = point.points;
-        let normal = G::rotate_back(&seen, &point.normal);
+        let normal = if side == 0 { point.normal } else { G::rotate_back(&seen, &point.normal) };
         let offset = point.gap - G::dot(&point.normal, &(to - from));
         KeptPoint { contact: ContactIn { normal, ..*point }, offset }
     }));
-    Ok((KeptPair { colliders, relative, margin, bound, side, points }, lasts))
+    Ok((KeptPair { colliders, relative, margin, radius, side, points }, lasts))
 }
 
 #[cfg(all(test, feature = "3d"))]

@@ -32,8 +32,8 @@ const FASTEST_TOLERANCE: f64 = 3e-4;
 /// What the last sweep over such an island may change, relative to what may be left: what is left is looked at besides.
 pub(super) const CHANGE_IN_PILE: f64 = 0.75;
 /// What lifting may leave in a moving island of a pile, relative to what its velocities may: if less, it would take
-/// back in each step what they left, at a quarter of what a step costs, and overlaps would be no smaller.
-const LIFTED_TOLERANCE: f64 = 1.5;
+/// back in each step what they left, at a sixth of what a step costs, and overlaps would be no smaller.
+const LIFTED_TOLERANCE: f64 = 3.0;
 /// Islands of more contacts are large, and what has more is a pile.
 pub(super) const LARGE: usize = 100;
 

@@ -46,6 +46,11 @@ impl<G: Dimension> WarmStart<G> {
         })
     }
 
+    /// How many contacts the step had.
+    pub(crate) fn len(&self) -> usize {
+        self.by_contact.len()
+    }
+
     /// How long the step took whose impulses these are, s.
     pub(crate) fn step(&self) -> f64 {
         self.step
