@@ -8,6 +8,7 @@ pub(crate) mod outline_point;
 pub(crate) mod planar_narrow_phase;
 #[cfg(feature = "3d")]
 pub(crate) mod box_axes;
+#[cfg(feature = "3d")]
 pub(crate) mod box_faces;
 #[cfg(feature = "3d")]
 pub(crate) mod polytope_axes;
