@@ -68,7 +68,11 @@ pub(super) fn compared(make: Make, case: &Case) -> Option<Verdict> {
     }
     let (other, _) = run(make, &moved)?;
     let grows = (apart(&reference, &other) / (APART * thin)).max(1.0);
-    let promised = 20.0 * (h * speed.max(fastest) + overlap(make, case, &bodies)?) * grows;
+    let radius = bodies.iter().map(|body| body.hull.radius).fold(0.0, f64::max);
+    // A place is known to rounding.
+    let rounding = 1e-14 * reference.iter().map(|x| x.norm()).fold(radius, f64::max);
+    let promised =
+        20.0 * (h * speed.max(fastest) + overlap(make, case, &bodies)?) * grows + rounding;
     (promised <= 0.2 * thin).then(|| Verdict::of(apart(&x, &reference), promised, "finer steps"))
 }
 
