@@ -2,6 +2,7 @@
 
 pub(crate) mod contact_point;
 pub(crate) mod broad_phase;
+pub(crate) mod met_pair;
 #[cfg(feature = "2d")]
 pub(crate) mod outline_point;
 #[cfg(feature = "2d")]

@@ -3,7 +3,7 @@
 //! ```text
 //! boxes that overlap  ->  contact points with gap <= margin                                 (11.1)
 //! ```
-//! Broad phase by a hierarchy of boxes, narrow phase by the geometry library's queries; see the two
+//! Broad phase by a hierarchy of boxes, narrow phase by where two shapes face each other; see the two
 //! files of that name. Contact points are computed afresh from the poses each time: nothing is
 //! carried over from the step before, so that a gap is what the poses say and not what a cache
 //! remembers; steps of many bodies keep some of them elsewhere, and say what they keep. They come
@@ -11,7 +11,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use stationary_calculus::{SizeError, array};
+use stationary_calculus::SizeError;
 use stationary_rigid::LieGroup;
 
 use crate::detect::broad_phase::BroadPhase;
@@ -24,7 +24,7 @@ use crate::{Carrier, ColliderIn, ContactError, ContactIn, ContactRows, Dimension
 pub struct DetectorIn<G: Dimension> {
     pub(super) colliders: Vec<ColliderIn<G>>,
     /// Restitution and friction of pairs that have their own.
-    surfaces: BTreeMap<[usize; 2], [f64; 2]>,
+    pub(super) surfaces: BTreeMap<[usize; 2], [f64; 2]>,
     /// Pairs that pass through each other.
     pub(super) passing: BTreeSet<[usize; 2]>,
     /// Lengths of rolling and of torsional friction of pairs that have them, m.
@@ -431,57 +431,6 @@ impl<G: Dimension> DetectorIn<G> {
             }
             let mut stays = covered.iter().map(|covered| !covered);
             facing.retain(|_| stays.next().unwrap_or(true));
-        }
-    }
-
-    /// What all contacts of a pair share.
-    pub(super) fn met(&self, pair: [usize; 2], placed: &[G::Motion; 2]) -> MetPair<G> {
-        let [first, second] = pair.map(|i| &self.colliders[i]);
-        let own = || {
-            [first.restitution.min(second.restitution), (first.friction * second.friction).sqrt()]
-        };
-        let place = |motion: &G::Motion| (G::frame(motion), G::translation(motion));
-        MetPair {
-            colliders: pair,
-            bodies: [first.body(), second.body()],
-            placed: placed.each_ref().map(place),
-            own: [place(&first.place), place(&second.place)],
-            surface: self.surfaces.get(&pair).copied().unwrap_or_else(own),
-        }
-    }
-}
-
-/// What all contacts of a pair share.
-pub(super) struct MetPair<G: Dimension> {
-    colliders: [usize; 2],
-    bodies: [Option<usize>; 2],
-    /// Where the shapes are, and where in their bodies.
-    placed: [(G::Frame, G::Vector); 2],
-    own: [(G::Frame, G::Vector); 2],
-    /// Restitution and friction.
-    surface: [f64; 2],
-}
-
-impl<G: Dimension> MetPair<G> {
-    /// The contact where two points face each other.
-    #[inline]
-    pub(super) fn point(&self, facing: &Facing<G::Vector>) -> ContactIn<G> {
-        let at = |places: &[(G::Frame, G::Vector); 2]| {
-            array(|side| {
-                let (frame, from) = &places[side];
-                G::rotate(frame, &facing.points[side]) + *from
-            })
-        };
-        let [restitution, friction] = self.surface;
-        ContactIn {
-            id: facing.id(self.colliders),
-            bodies: self.bodies,
-            gap: facing.gap,
-            normal: G::rotate(&self.placed[0].0, &facing.normal),
-            points: at(&self.placed),
-            arms: at(&self.own),
-            restitution,
-            friction,
         }
     }
 }
